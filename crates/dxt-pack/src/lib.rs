@@ -1,0 +1,1 @@
+//! Operator to block-compressed textures and outliers

@@ -1,0 +1,1 @@
+//! Patches to form factors by a Sobol cosine gather

@@ -1,0 +1,1 @@
+//! The run time on a GPU: shadow maps, patch light, packed product, transfer, shading

@@ -1,0 +1,1 @@
+//! One order for the rows and columns of the operator

@@ -1,0 +1,109 @@
+//! Header and section table, byte for byte as in `formats/rad.md` sections 2 and 3.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::error::{Error, Result};
+
+/// First eight bytes of every file. The first is no text, so the file cannot be taken
+/// for a Radiance scene (also `.rad`); CR LF and LF show newline damage; SUB stops `type`.
+pub const IDENTIFIER: [u8; 8] = [0x8D, b'R', b'A', b'D', 0x0D, 0x0A, 0x1A, 0x0A];
+/// Major and minor version that this crate writes.
+pub const VERSION: (u16, u16) = (1, 0);
+/// A reader that does not know a section with this flag must refuse the file.
+pub const FLAG_REQUIRED: u32 = 1;
+/// The section's contents depend on the order of the patches.
+pub const FLAG_PATCH_ORDER: u32 = 2;
+/// Sections start at multiples of this many bytes.
+pub const ALIGNMENT: u64 = 64;
+
+/// The first 64 bytes.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Header {
+    pub identifier: [u8; 8],
+    pub major: u16,
+    pub minor: u16,
+    pub section_count: u32,
+    pub table_offset: u64,
+    pub file_length: u64,
+    pub table_crc: u32,
+    /// Checksum of the 36 bytes before it.
+    pub header_crc: u32,
+    pub reserved: [u8; 24],
+}
+
+/// One row of the section table, 96 bytes.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub struct Entry {
+    pub name: [u8; 32],
+    pub element: u32,
+    pub flags: u32,
+    pub crc: u32,
+    pub rank: u32,
+    pub offset: u64,
+    pub length: u64,
+    pub shape: [u64; 4],
+}
+
+/// Length of the header in bytes.
+pub const HEADER_LENGTH: u64 = size_of::<Header>() as u64;
+/// Length of one table entry in bytes.
+pub const ENTRY_LENGTH: u64 = size_of::<Entry>() as u64;
+
+/// `bytes` rounded up to the next section boundary.
+pub fn aligned(bytes: u64) -> u64 {
+    bytes.next_multiple_of(ALIGNMENT)
+}
+
+impl Header {
+    /// Checks identifier, version, checksum, reserved bytes and length.
+    pub fn read(bytes: &[u8]) -> Result<Header> {
+        let head = &bytes[..bytes.len().min(8)];
+        if head != IDENTIFIER {
+            return Err(Error::Identifier { found: hex(head), hint: foreign_hint(bytes) });
+        }
+        let have = bytes.len() as u64;
+        let Some(head) = bytes.get(..HEADER_LENGTH as usize) else {
+            return Err(Error::FileLength { need: HEADER_LENGTH, have });
+        };
+        let header: Header = bytemuck::pod_read_unaligned(head);
+        if header.major != VERSION.0 {
+            return Err(Error::Version { major: header.major, minor: header.minor });
+        }
+        let found = crc32fast::hash(&head[..36]);
+        if found != header.header_crc {
+            return Err(Error::Checksum { what: "header".into(), found, expected: header.header_crc });
+        }
+        if header.reserved != [0; 24] {
+            return Err(Error::Layout { what: "reserved bytes of the header are not zero".into(), rule: "§2" });
+        }
+        if header.file_length != have {
+            return Err(Error::FileLength { need: header.file_length, have });
+        }
+        Ok(header)
+    }
+}
+
+fn hex(bytes: &[u8]) -> String {
+    if bytes.is_empty() {
+        return "nothing, it is empty".into();
+    }
+    bytes.iter().map(|b| format!("{b:02X}")).collect::<Vec<_>>().join(" ")
+}
+
+/// Files that people mistake for ours.
+fn foreign_hint(bytes: &[u8]) -> &'static str {
+    let text = |prefix: &[u8]| bytes.starts_with(prefix);
+    if bytes.is_empty() {
+        ""
+    } else if bytes[0] == IDENTIFIER[0] {
+        " (newlines were converted in transfer, or the file is cut short)"
+    } else if text(b"glTF") || text(b"{") || text(b"# ") || text(b"v ") {
+        " (is it a mesh or JSON? a scene goes to `allbounce voxel-simplify` or `allbounce bake`)"
+    } else if bytes.iter().take(256).all(|&b| b == b'\n' || b == b'\r' || b == b'\t' || (0x20..0x7f).contains(&b)) {
+        " (it is text: a Radiance scene has the same ending `.rad` but is another format)"
+    } else {
+        ""
+    }
+}

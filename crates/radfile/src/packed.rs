@@ -1,0 +1,273 @@
+//! The operator as block-compressed textures plus a sparse list of outliers.
+//!
+//! A value of K goes through a map to a code in 0..1, codes are encoded as BC1 (three channels in
+//! one colour) or BC4 (one texture a channel) in tiles that fit any GPU's texture limit; values that
+//! are too large for the map are listed apart and are 0 in the texture. This file defines how bytes
+//! become values again, exactly and in f32; a GPU's sampler decodes the same blocks.
+
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, Result, patches::check_offsets};
+
+/// Block format of the textures; both use 8 bytes for 4 × 4 texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum BlockFormat {
+    /// RGB in one texture, 5:6:5 endpoints, four-colour mode only.
+    Bc1,
+    /// One unsigned channel, 8-bit endpoints; one texture a channel of the operator.
+    Bc4,
+}
+
+/// How a code u in 0..1 becomes a value of K.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ValueMap {
+    /// scale · exp(shift (u − 1)), and exactly 0 at u = 0 (the paper's map).
+    Log {
+        /// Span of the logarithm: the smallest value is about scale · exp(−shift).
+        shift: f32,
+    },
+    /// scale · u².
+    Sqrt,
+}
+
+impl ValueMap {
+    /// The value of code `u`.
+    pub fn decode(self, u: f32, scale: f32) -> f32 {
+        match self {
+            ValueMap::Log { .. } if u <= 0.0 => 0.0,
+            ValueMap::Log { shift } => scale * (shift * (u - 1.0)).exp(),
+            ValueMap::Sqrt => scale * u * u,
+        }
+    }
+
+    /// The code of a value; values above `scale` saturate.
+    pub fn encode(self, value: f32, scale: f32) -> f32 {
+        if value <= 0.0 || scale <= 0.0 {
+            return 0.0;
+        }
+        let u = match self {
+            ValueMap::Log { shift } => 1.0 + (value / scale).ln() / shift,
+            ValueMap::Sqrt => (value / scale).sqrt(),
+        };
+        u.clamp(0.0, 1.0)
+    }
+}
+
+/// How the operator was packed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Packing {
+    /// Number of patches.
+    pub n: u32,
+    /// Channels of the operator, 1 or 3.
+    pub channels: u32,
+    /// Highest bounce in the sum; `None` is all.
+    pub bounces: Option<u32>,
+    /// Block format.
+    pub format: BlockFormat,
+    /// Map from codes to values.
+    pub map: ValueMap,
+    /// Value of code 1, one a channel (a single channel repeats it).
+    pub scale: [f32; 3],
+    /// Edge of a tile in texels, a multiple of 4.
+    pub tile: u32,
+    /// Tiles along each edge of the matrix.
+    pub tiles: u32,
+}
+
+/// Largest tile edge: every WebGPU implementation has textures of this size.
+const MAX_TILE: u32 = 4096;
+
+impl Packing {
+    /// Edge and count of equal tiles that cover `n` texels.
+    pub fn tiling(n: u32) -> (u32, u32) {
+        let tiles = n.div_ceil(MAX_TILE).max(1);
+        (n.div_ceil(tiles).next_multiple_of(4), tiles)
+    }
+
+    /// Textures: one for BC1, one a channel for BC4.
+    pub fn planes(&self) -> usize {
+        match self.format {
+            BlockFormat::Bc1 => 1,
+            BlockFormat::Bc4 => self.channels as usize,
+        }
+    }
+
+    /// Tiles of all planes.
+    pub fn tile_count(&self) -> usize {
+        self.planes() * self.tiles as usize * self.tiles as usize
+    }
+
+    /// Blocks along the edge of a tile.
+    pub fn tile_blocks(&self) -> usize {
+        (self.tile / 4) as usize
+    }
+
+    /// Bytes of one tile.
+    pub fn tile_bytes(&self) -> usize {
+        self.tile_blocks() * self.tile_blocks() * 8
+    }
+
+    /// First byte of the block that holds texel (row, column) of a plane.
+    ///
+    /// Order: plane, tile row, tile column, block row, block column.
+    pub fn block_offset(&self, plane: usize, row: usize, column: usize) -> usize {
+        let (tile, tiles) = (self.tile as usize, self.tiles as usize);
+        let tile_index = (plane * tiles + row / tile) * tiles + column / tile;
+        let block = (row % tile / 4) * self.tile_blocks() + column % tile / 4;
+        tile_index * self.tile_bytes() + block * 8
+    }
+
+    fn check(&self) -> Result<()> {
+        let tiling = Packing::tiling(self.n);
+        let shift_ok = match self.map {
+            ValueMap::Log { shift } => shift > 0.0 && shift.is_finite(),
+            ValueMap::Sqrt => true,
+        };
+        let legal = (self.tile, self.tiles) == tiling
+            && self.n > 0
+            && matches!(self.channels, 1 | 3)
+            && shift_ok
+            && self.scale.iter().all(|s| s.is_finite() && *s >= 0.0);
+        if legal { Ok(()) } else { Err(Error::invariant("packed operator", format!("illegal packing {self:?}"))) }
+    }
+}
+
+/// The packed operator.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PackedOperator<'a> {
+    /// Its parameters.
+    pub packing: Packing,
+    /// BC1 or BC4 blocks, see [`Packing::block_offset`]. Texel (x, y) of the matrix is column x, row y.
+    pub blocks: Cow<'a, [u8]>,
+    /// `n` + 1 offsets into the outliers of each row.
+    pub outlier_start: Cow<'a, [u32]>,
+    /// Column (sender) of each outlier, increasing within a row.
+    pub outlier_column: Cow<'a, [u32]>,
+    /// Its value in every channel, outliers × channels; the texture holds 0 there.
+    pub outlier_value: Cow<'a, [f32]>,
+}
+
+impl PackedOperator<'_> {
+    /// Bytes of textures and outliers.
+    pub fn size_in_bytes(&self) -> usize {
+        self.blocks.len() + 4 * (self.outlier_start.len() + self.outlier_column.len() + self.outlier_value.len())
+    }
+
+    /// Decodes the four texel rows `4 * block_row ..` of one channel to values of K, without outliers.
+    ///
+    /// `out` is 4 × `width`, row-major, with `width` ≥ n; texels beyond n are left as they are.
+    pub fn decode_rows(&self, channel: usize, block_row: usize, width: usize, out: &mut [f32]) {
+        let p = &self.packing;
+        let n = p.n as usize;
+        let channel = channel.min(p.channels as usize - 1);
+        let plane = if p.planes() == 1 { 0 } else { channel };
+        for block_column in 0..n.div_ceil(4) {
+            let at = p.block_offset(plane, 4 * block_row, 4 * block_column);
+            let block: [u8; 8] = self.blocks[at..at + 8].try_into().expect("a block is 8 bytes");
+            let (palette, indices) = match p.format {
+                BlockFormat::Bc4 => bc4_palette(block),
+                BlockFormat::Bc1 => bc1_palette(block, channel),
+            };
+            let palette = palette.map(|u| p.map.decode(u, p.scale[channel]));
+            for texel in 0..16 {
+                let column = 4 * block_column + texel % 4;
+                if column < n {
+                    out[texel / 4 * width + column] = palette[indices[texel] as usize];
+                }
+            }
+        }
+    }
+
+    /// Adds the outliers of one row and channel to decoded values.
+    pub fn add_outliers(&self, channel: usize, row: usize, out: &mut [f32]) {
+        let channels = self.packing.channels as usize;
+        let channel = channel.min(channels - 1);
+        for entry in self.outlier_start[row] as usize..self.outlier_start[row + 1] as usize {
+            out[self.outlier_column[entry] as usize] += self.outlier_value[entry * channels + channel];
+        }
+    }
+
+    /// The whole matrix of one channel, `n` × `n`, row-major.
+    pub fn decode(&self, channel: usize) -> Vec<f32> {
+        let n = self.packing.n as usize;
+        let mut matrix = vec![0.0; n.next_multiple_of(4) * n];
+        for (block_row, rows) in matrix.chunks_exact_mut(4 * n).enumerate() {
+            self.decode_rows(channel, block_row, n, rows);
+        }
+        matrix.truncate(n * n);
+        for (row, values) in matrix.chunks_exact_mut(n).enumerate() {
+            self.add_outliers(channel, row, values);
+        }
+        matrix
+    }
+}
+
+/// Eight codes and the sixteen 3-bit indices of a BC4 block.
+/// Source: Khronos Data Format Specification 1.3, §18.4 (RGTC).
+fn bc4_palette(block: [u8; 8]) -> ([f32; 8], [u8; 16]) {
+    let (a, b) = (f32::from(block[0]) / 255.0, f32::from(block[1]) / 255.0);
+    let mix = |i: usize, steps: f32| (a * (steps - i as f32) + b * i as f32) / steps;
+    let palette = if block[0] > block[1] {
+        [a, b, mix(1, 7.0), mix(2, 7.0), mix(3, 7.0), mix(4, 7.0), mix(5, 7.0), mix(6, 7.0)]
+    } else {
+        [a, b, mix(1, 5.0), mix(2, 5.0), mix(3, 5.0), mix(4, 5.0), 0.0, 1.0]
+    };
+    let bits = u64::from_le_bytes(block) >> 16;
+    (palette, std::array::from_fn(|texel| (bits >> (3 * texel) & 7) as u8))
+}
+
+/// Codes of one colour channel and the sixteen 2-bit indices of a BC1 block.
+/// Source: Khronos Data Format Specification 1.3, §18.1 (S3TC).
+fn bc1_palette(block: [u8; 8], channel: usize) -> ([f32; 8], [u8; 16]) {
+    let ends = [u16::from_le_bytes([block[0], block[1]]), u16::from_le_bytes([block[2], block[3]])];
+    let [a, b] = ends.map(|end| match channel {
+        0 => f32::from(end >> 11) / 31.0,
+        1 => f32::from(end >> 5 & 63) / 63.0,
+        _ => f32::from(end & 31) / 31.0,
+    });
+    let (c, d) = if ends[0] > ends[1] { ((2.0 * a + b) / 3.0, (a + 2.0 * b) / 3.0) } else { ((a + b) / 2.0, 0.0) };
+    let bits = u32::from_le_bytes([block[4], block[5], block[6], block[7]]);
+    ([a, b, c, d, 0.0, 0.0, 0.0, 0.0], std::array::from_fn(|texel| (bits >> (2 * texel) & 3) as u8))
+}
+
+impl<'a> Record<'a> for PackedOperator<'a> {
+    const PREFIX: &'static str = "pack.";
+
+    fn read(c: &'a Container) -> Result<PackedOperator<'a>> {
+        let packing: Packing = c.meta("pack.meta")?;
+        packing.check()?;
+        let tiles = packing.tile_count();
+        let start = c.array_of::<u32>("pack.outlier_start", &[Some(packing.n as usize + 1)])?;
+        let column = c.array_of::<u32>("pack.outlier_column", &[None])?;
+        let channels = packing.channels as usize;
+        let packed = PackedOperator {
+            blocks: c.array_of::<u8>("pack.blocks", &[Some(tiles), Some(packing.tile_bytes())])?.into(),
+            outlier_start: start.into(),
+            outlier_column: column.into(),
+            outlier_value: c.array_of::<f32>("pack.outlier_value", &[Some(column.len()), Some(channels)])?.into(),
+            packing,
+        };
+        check_offsets("packed operator", "outlier_start", start, start.len() - 1, column.len())?;
+        if let Some(e) = column.iter().position(|&j| j >= packed.packing.n) {
+            return Err(Error::invariant("packed operator", format!("outlier {e} lies in column {}", column[e])));
+        }
+        if let Some(e) = packed.outlier_value.iter().position(|v| !v.is_finite()) {
+            return Err(Error::invariant("packed operator", format!("outlier value {e} is not finite")));
+        }
+        Ok(packed)
+    }
+
+    fn write<'b>(&'b self, b: &mut Builder<'b>) {
+        const FLAGS: u32 = FLAG_REQUIRED | FLAG_PATCH_ORDER;
+        let p = &self.packing;
+        let tiles = p.tile_count();
+        b.meta("pack.meta", FLAG_REQUIRED, p);
+        b.array("pack.blocks", FLAGS, &[tiles, p.tile_bytes()], &self.blocks[..]);
+        b.array("pack.outlier_start", FLAGS, &[self.outlier_start.len()], &self.outlier_start[..]);
+        b.array("pack.outlier_column", FLAGS, &[self.outlier_column.len()], &self.outlier_column[..]);
+        let shape = [self.outlier_column.len(), p.channels as usize];
+        b.array("pack.outlier_value", FLAGS, &shape, &self.outlier_value[..]);
+    }
+}

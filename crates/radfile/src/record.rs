@@ -1,0 +1,72 @@
+//! The list of sections that this version knows, and what a typed record is.
+
+use crate::{Builder, Container, Result};
+
+/// Every section of this version: name, the stage that writes it, whether a reader must know it.
+/// The same table stands in `formats/rad.md` §4; a test compares the two.
+pub const SECTIONS: &[(&str, &str)] = &[
+    ("provenance", "every stage"),
+    ("mesh.meta", "voxel-simplify"),
+    ("mesh.positions", "voxel-simplify"),
+    ("mesh.triangles", "voxel-simplify"),
+    ("mesh.material", "voxel-simplify"),
+    ("mesh.uv", "voxel-simplify"),
+    ("mesh.emission_uv", "voxel-simplify"),
+    ("materials.meta", "voxel-simplify"),
+    ("materials.textures", "voxel-simplify"),
+    ("scene.extras", "voxel-simplify"),
+    ("patches.meta", "voxel-simplify"),
+    ("patches.position", "voxel-simplify"),
+    ("patches.normal", "voxel-simplify"),
+    ("patches.area", "voxel-simplify"),
+    ("patches.reflectance", "voxel-simplify"),
+    ("patches.emission", "voxel-simplify"),
+    ("patches.piece_start", "voxel-simplify"),
+    ("patches.piece_corners", "voxel-simplify"),
+    ("patches.piece_face", "voxel-simplify"),
+    ("patches.face_start", "voxel-simplify"),
+    ("patches.cell_key", "voxel-simplify"),
+    ("patches.cell_patch", "voxel-simplify"),
+    ("formfactor.values", "formfactor"),
+    ("formfactor.sky", "formfactor"),
+    ("series.meta", "series"),
+    ("series.values", "series"),
+    ("permute.new_to_old", "permute"),
+    ("pack.meta", "dxt-pack"),
+    ("pack.blocks", "dxt-pack"),
+    ("pack.outlier_start", "dxt-pack"),
+    ("pack.outlier_column", "dxt-pack"),
+    ("pack.outlier_value", "dxt-pack"),
+    ("transfer.position", "transfer"),
+    ("transfer.normal", "transfer"),
+    ("transfer.row_start", "transfer"),
+    ("transfer.patch", "transfer"),
+    ("transfer.weight", "transfer"),
+    ("transfer.fine_vertex", "transfer"),
+    ("transfer.fine_triangle", "transfer"),
+    ("transfer.fine_source", "transfer"),
+    ("transfer.fine_receiver", "transfer"),
+];
+
+/// The stage that writes a section, if this version knows it.
+pub fn stage_of(section: &str) -> Option<&'static str> {
+    SECTIONS.iter().find(|(name, _)| *name == section).map(|(_, stage)| *stage)
+}
+
+/// Typed values that are read from and written to the sections of a container.
+///
+/// `read` establishes the invariants once, so the rest of the program may trust them.
+pub trait Record<'a>: Sized {
+    /// First part of the names of its sections, such as `patches.`.
+    const PREFIX: &'static str;
+
+    /// Reads and checks the record. Large arrays stay views into the container.
+    ///
+    /// # Errors
+    ///
+    /// A missing or misshapen section, or the first broken invariant.
+    fn read(container: &'a Container) -> Result<Self>;
+
+    /// Adds the record's sections to a container being built.
+    fn write<'b>(&'b self, builder: &mut Builder<'b>);
+}

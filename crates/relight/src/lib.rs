@@ -1,0 +1,1 @@
+//! The run time on a CPU: direct light, packed product, transfer, pictures

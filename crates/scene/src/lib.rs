@@ -1,0 +1,30 @@
+//! Everything that knows what a scene is: import, surfaces, lights, cameras, rays and sampling.
+//!
+//! - [`import`]: OBJ + MTL and glTF 2.0 to a [`Scene`] and an [`ImportReport`] of what was ignored.
+//! - [`Surfaces`]: reflectance and emission at a point of a triangle, textures decoded.
+//! - [`Rays`]: watertight closest-hit and visibility queries.
+//! - [`Sobol`], [`cosine_direction`], [`PatchSampler`]: points and directions, deterministic.
+//! - [`LightRig`], [`Light`], [`Camera`]: the JSON files of DESIGN §4.
+//!
+//! Files are read through the [`Folder`] that the caller hands in; nothing here touches the disk.
+
+mod camera;
+mod error;
+mod import;
+mod lights;
+mod patch_sampler;
+mod rays;
+mod sampling;
+mod scene;
+mod surfaces;
+mod triangle_test;
+
+pub use camera::Camera;
+pub use error::{Error, Result};
+pub use import::{Folder, ImportOptions, ImportReport, import};
+pub use lights::{Light, LightRig};
+pub use patch_sampler::{PatchSampler, SurfacePoint};
+pub use rays::{Hit, NO_TRIANGLE, Rays};
+pub use sampling::{Sobol, basis, cosine_direction, hash, square_to_triangle};
+pub use scene::{Extras, Scene};
+pub use surfaces::Surfaces;

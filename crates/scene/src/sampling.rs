@@ -1,0 +1,132 @@
+//! Low-discrepancy points and what is made of them.
+//!
+//! Sources: S. Joe, F. Kuo, Constructing Sobol sequences with better two-dimensional projections,
+//! SIAM J. Sci. Comput. 30, 2008 (direction numbers); B. Burley, Practical Hash-based Owen
+//! Scrambling, JCGT 9(4), 2020 (scrambling); P. Shirley, K. Chiu, A low distortion map between
+//! disk and square, 1997; E. Heitz, A Low-Distortion Map Between Triangle and Square, 2019.
+
+use glam::{Vec2, Vec3};
+
+/// An Owen-scrambled Sobol sequence in four dimensions.
+///
+/// Every seed gives another scrambling, so estimates of different seeds are independent and each is
+/// unbiased. The best sample counts are powers of two.
+#[derive(Clone, Copy, Debug)]
+pub struct Sobol {
+    seed: u32,
+}
+
+/// Direction numbers of dimensions 1 to 4 (the first is van der Corput), most significant bit first.
+const DIRECTIONS: [[u32; 32]; 4] = [
+    directions(0, 0, [1, 0, 0]),
+    directions(1, 0, [1, 0, 0]),
+    directions(2, 1, [1, 3, 0]),
+    directions(3, 1, [1, 3, 1]),
+];
+
+/// Direction numbers from a primitive polynomial of `degree` with inner coefficients `a`.
+const fn directions(degree: usize, a: u32, initial: [u32; 3]) -> [u32; 32] {
+    let mut v = [0u32; 32];
+    let mut i = 0;
+    while i < 32 {
+        if degree == 0 {
+            v[i] = 1 << (31 - i);
+        } else if i < degree {
+            v[i] = initial[i] << (31 - i);
+        } else {
+            v[i] = v[i - degree] ^ (v[i - degree] >> degree);
+            let mut k = 1;
+            while k < degree {
+                if (a >> (degree - 1 - k)) & 1 == 1 {
+                    v[i] ^= v[i - k];
+                }
+                k += 1;
+            }
+        }
+        i += 1;
+    }
+    v
+}
+
+impl Sobol {
+    /// The sequence with this scrambling.
+    pub fn new(seed: u32) -> Sobol {
+        Sobol { seed }
+    }
+
+    /// Sample `index`: four numbers in [0, 1).
+    pub fn sample(&self, index: u32) -> [f32; 4] {
+        let index = owen(index.reverse_bits(), hash(self.seed, 0x5bd1)).reverse_bits();
+        std::array::from_fn(|d| {
+            let mut x = 0;
+            let mut bits = index;
+            while bits != 0 {
+                let lowest = bits.trailing_zeros();
+                x ^= DIRECTIONS[d][lowest as usize];
+                bits &= bits - 1;
+            }
+            let x = owen(x, hash(self.seed, d as u32));
+            (x >> 8) as f32 * (1.0 / (1 << 24) as f32)
+        })
+    }
+}
+
+/// Scrambles the bits of a fraction, most significant first: each bit is flipped by a hash of those above it.
+fn owen(x: u32, seed: u32) -> u32 {
+    let mut x = x.reverse_bits();
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^= x.wrapping_mul(0x53a2_2864);
+    x.reverse_bits()
+}
+
+/// Mixes two numbers to a seed.
+pub fn hash(a: u32, b: u32) -> u32 {
+    let mut x = u64::from(a) << 32 | u64::from(b);
+    x ^= x >> 31;
+    x = x.wrapping_mul(0x7fb5_d329_728e_a185);
+    x ^= x >> 27;
+    x = x.wrapping_mul(0x81da_def4_bc2d_d44d);
+    (x ^ (x >> 33)) as u32
+}
+
+/// Two unit vectors that make a right-handed frame with the unit vector `n`.
+pub fn basis(n: Vec3) -> (Vec3, Vec3) {
+    n.any_orthonormal_pair()
+}
+
+/// A direction about the unit vector `normal` with density cos θ / π, strictly above the surface.
+pub fn cosine_direction(normal: Vec3, x: f32, y: f32) -> Vec3 {
+    let d = square_to_disk(x, y);
+    let height = (1.0 - d.length_squared()).max(1e-8).sqrt();
+    let (s, t) = basis(normal);
+    (d.x * s + d.y * t + height * normal).normalize()
+}
+
+/// The unit square to the unit disk, area-preserving, continuous.
+fn square_to_disk(x: f32, y: f32) -> Vec2 {
+    let (a, b) = (2.0 * x - 1.0, 2.0 * y - 1.0);
+    if a == 0.0 && b == 0.0 {
+        return Vec2::ZERO;
+    }
+    let (radius, angle) = if a.abs() > b.abs() {
+        (a, std::f32::consts::FRAC_PI_4 * (b / a))
+    } else {
+        (b, std::f32::consts::FRAC_PI_2 - std::f32::consts::FRAC_PI_4 * (a / b))
+    };
+    radius * Vec2::from_angle(angle)
+}
+
+/// Barycentric weights of the second and third corner, uniform over a triangle, strictly inside.
+pub fn square_to_triangle(x: f32, y: f32) -> (f32, f32) {
+    let (x, y) = (x.clamp(1e-6, 1.0 - 1e-6), y.clamp(1e-6, 1.0 - 1e-6));
+    if y > x {
+        let u = 0.5 * x;
+        (u, y - u)
+    } else {
+        let v = 0.5 * y;
+        (x - v, v)
+    }
+}

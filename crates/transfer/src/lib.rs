@@ -1,0 +1,1 @@
+//! Patch light to vertices and points: normalised, visibility-aware weights

@@ -1,0 +1,1 @@
+//! Scene to patches: triangles clipped to voxels and grouped
