@@ -1,14 +1,23 @@
 //! Writing: sections are collected, laid out once, and put in place by a rename.
 
-use std::{borrow::Cow, io::Write, path::Path};
+use std::{
+    borrow::Cow,
+    io::{BufWriter, ErrorKind, Write},
+    path::Path,
+};
 
 use serde::Serialize;
 
 use crate::{
     Container, ElementType, Provenance, Section, Step,
+    bytes::Bytes,
+    container::other_than_a_file,
     element::Element,
     error::{Error, Result},
-    layout::{ENTRY_LENGTH, Entry, HEADER_LENGTH, Header, IDENTIFIER, VERSION, aligned},
+    layout::{
+        ENTRY_LENGTH, Entry, HEADER_CRC_SPAN, HEADER_LENGTH, Header, IDENTIFIER, MAX_RANK, VERSION, aligned,
+        is_legal_name,
+    },
     meta,
 };
 
@@ -56,7 +65,8 @@ impl<'a> Builder<'a> {
     ///
     /// # Panics
     ///
-    /// If `shape` does not multiply to `data.len()` or the name is longer than 32 bytes: bugs in the caller.
+    /// If `shape` does not multiply to `data.len()` or has more than four extents, or if the name is not made of
+    /// 1 to 32 of `a-z 0-9 . _ -`: bugs in the caller.
     #[track_caller]
     pub fn array<T: Element>(&mut self, name: &str, flags: u32, shape: &[usize], data: impl Into<Cow<'a, [T]>>) {
         let data = data.into();
@@ -70,6 +80,11 @@ impl<'a> Builder<'a> {
     }
 
     /// Adds a metadata section; a section of the same name is replaced.
+    ///
+    /// # Panics
+    ///
+    /// If the name is illegal (see [`Builder::array`]) or `value` cannot be encoded: bugs in the caller.
+    #[track_caller]
     pub fn meta<T: Serialize>(&mut self, name: &str, flags: u32, value: &T) {
         let data = meta::encode(value);
         self.put(Pending {
@@ -82,6 +97,10 @@ impl<'a> Builder<'a> {
     }
 
     /// Appends a step to the provenance of `input` and writes it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] or [`Error::Meta`] if the provenance of `input` cannot be read.
     pub fn provenance(&mut self, input: Option<&Container>, step: Step) -> Result<()> {
         let mut provenance = input.map(Provenance::read).transpose()?.unwrap_or_default();
         provenance.steps.push(step);
@@ -91,31 +110,53 @@ impl<'a> Builder<'a> {
 
     #[track_caller]
     fn put(&mut self, section: Pending<'a>) {
-        assert!(section.name.len() <= 32, "section name {} is longer than 32 bytes", section.name);
+        let name = &section.name;
+        assert!(is_legal_name(name.as_bytes()), "section name {name:?} is not 1 to 32 of a-z 0-9 . _ -");
+        assert!(section.shape.len() <= MAX_RANK, "section {name} has more than {MAX_RANK} dimensions");
         self.sections.retain(|s| s.name != section.name);
         self.sections.push(section);
     }
 
-    /// Writes the container to `path` by way of a temporary file beside it, so that no half-written file is ever seen.
+    /// Writes the container to `path` by way of a temporary file beside it: at every moment `path` is the old
+    /// file, the new one, or not there. An error leaves it as it was and removes the temporary file.
     ///
     /// # Errors
     ///
-    /// [`Error::Io`].
+    /// [`Error::Io`], also when `path` is a folder or a device; [`Error::Meta`] for metadata beyond 64 MiB.
     pub fn write_file(&self, path: &Path) -> Result<()> {
+        self.check_metadata()?;
         let io = |source| Error::Io { path: path.to_owned(), source };
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut file = tempfile::NamedTempFile::new_in(folder).map_err(io)?;
-        let mut writer = std::io::BufWriter::with_capacity(1 << 20, file.as_file_mut());
+        if !folder.is_dir() {
+            let what = format!("the folder {} does not exist; create it first", folder.display());
+            return Err(io(std::io::Error::new(ErrorKind::NotFound, what)));
+        }
+        // A rename would replace a device such as /dev/null by a file.
+        match other_than_a_file(path) {
+            Ok(Some(kind)) => return Err(io(std::io::Error::other(format!("is {kind}, expected a file name")))),
+            Ok(None) => {}
+            Err(e) if e.kind() == ErrorKind::NotFound => {}
+            Err(e) => return Err(io(e)),
+        }
+        let mut file = temporary_file(folder).map_err(io)?;
+        let mut writer = BufWriter::with_capacity(1 << 20, file.as_file_mut());
         self.write_to(&mut writer).and_then(|()| writer.flush()).map_err(io)?;
         drop(writer);
-        allow_others_to_read(file.as_file()).map_err(io)?;
         file.persist(path).map_err(|e| io(e.error))?;
         Ok(())
     }
 
     /// The container in memory, for the next stage of the same process.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Meta`] for metadata beyond 64 MiB.
     pub fn finish(&self) -> Result<Container> {
-        Container::from_bytes(&self.to_bytes())
+        self.check_metadata()?;
+        let (header, table) = self.layout();
+        Container::from_source(Bytes::filled(header.file_length as usize, |memory| {
+            self.write_laid_out(&header, &table, &mut &mut *memory).expect("the memory has the length of the file");
+        }))
     }
 
     /// The bytes of the file.
@@ -125,7 +166,16 @@ impl<'a> Builder<'a> {
         bytes
     }
 
-    fn write_to(&self, out: &mut impl Write) -> std::io::Result<()> {
+    /// Readers refuse larger metadata, so it must not be written.
+    fn check_metadata(&self) -> Result<()> {
+        let large = self.sections.iter().find(|s| s.element == ElementType::Meta && s.data.len() > meta::LIMIT);
+        large.map_or(Ok(()), |s| {
+            let what = format!("it would hold {} bytes, at most {} can be read", s.data.len(), meta::LIMIT);
+            Err(Error::Meta { name: s.name.clone(), what })
+        })
+    }
+
+    fn layout(&self) -> (Header, Vec<Entry>) {
         let mut end = HEADER_LENGTH + self.sections.len() as u64 * ENTRY_LENGTH;
         let mut table = Vec::with_capacity(self.sections.len());
         for section in &self.sections {
@@ -133,10 +183,18 @@ impl<'a> Builder<'a> {
             end = entry.offset + entry.length;
             table.push(entry);
         }
-        let table: &[u8] = bytemuck::cast_slice(&table);
-        out.write_all(bytemuck::bytes_of(&header(self.sections.len(), table, aligned(end))))?;
-        out.write_all(table)?;
-        let mut written = HEADER_LENGTH + table.len() as u64;
+        (header(&table, aligned(end)), table)
+    }
+
+    fn write_to(&self, out: &mut impl Write) -> std::io::Result<()> {
+        let (header, table) = self.layout();
+        self.write_laid_out(&header, &table, out)
+    }
+
+    fn write_laid_out(&self, header: &Header, table: &[Entry], out: &mut impl Write) -> std::io::Result<()> {
+        out.write_all(bytemuck::bytes_of(header))?;
+        out.write_all(bytemuck::cast_slice(table))?;
+        let mut written = HEADER_LENGTH + size_of_val(table) as u64;
         for section in &self.sections {
             pad(out, &mut written)?;
             out.write_all(&section.data)?;
@@ -165,19 +223,19 @@ impl Pending<'_> {
     }
 }
 
-fn header(section_count: usize, table: &[u8], file_length: u64) -> Header {
+fn header(table: &[Entry], file_length: u64) -> Header {
     let mut header = Header {
         identifier: IDENTIFIER,
         major: VERSION.0,
         minor: VERSION.1,
-        section_count: section_count as u32,
+        section_count: table.len() as u32,
         table_offset: HEADER_LENGTH,
         file_length,
-        table_crc: crc32fast::hash(table),
+        table_crc: crc32fast::hash(bytemuck::cast_slice(table)),
         header_crc: 0,
         reserved: [0; 24],
     };
-    header.header_crc = crc32fast::hash(&bytemuck::bytes_of(&header)[..36]);
+    header.header_crc = crc32fast::hash(&bytemuck::bytes_of(&header)[..HEADER_CRC_SPAN]);
     header
 }
 
@@ -188,14 +246,14 @@ fn pad(out: &mut impl Write, written: &mut u64) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Temporary files are private; the finished one gets the usual rights.
-#[cfg(unix)]
-fn allow_others_to_read(file: &std::fs::File) -> std::io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.set_permissions(std::fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn allow_others_to_read(_file: &std::fs::File) -> std::io::Result<()> {
-    Ok(())
+/// A new file in `folder` that removes itself unless it is kept, with the rights that the user gives to new files.
+fn temporary_file(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut file = tempfile::Builder::new();
+    file.prefix(".rad-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        file.permissions(std::fs::Permissions::from_mode(0o666)); // less the umask
+    }
+    file.tempfile_in(folder)
 }

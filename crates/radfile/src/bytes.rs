@@ -24,9 +24,14 @@ impl Bytes {
 
     /// Copies bytes into aligned memory.
     pub fn copy(bytes: &[u8]) -> Bytes {
-        let mut words = vec![0u64; bytes.len().div_ceil(8)];
-        bytemuck::cast_slice_mut(&mut words)[..bytes.len()].copy_from_slice(bytes);
-        Bytes::Owned { words, length: bytes.len() }
+        Self::filled(bytes.len(), |memory| memory.copy_from_slice(bytes))
+    }
+
+    /// Aligned memory of `length` bytes that `fill` writes.
+    pub fn filled(length: usize, fill: impl FnOnce(&mut [u8])) -> Bytes {
+        let mut words = vec![0u64; length.div_ceil(8)];
+        fill(&mut bytemuck::cast_slice_mut(&mut words)[..length]);
+        Bytes::Owned { words, length }
     }
 
     /// The bytes.

@@ -9,8 +9,9 @@ use crate::{
     bytes::Bytes,
     element::Element,
     error::{Error, Result},
-    layout::{ALIGNMENT, ENTRY_LENGTH, Entry, FLAG_PATCH_ORDER, FLAG_REQUIRED, HEADER_LENGTH, Header, aligned},
+    layout::{FLAG_PATCH_ORDER, FLAG_REQUIRED, Header},
     meta, record,
+    table::{check_crc, read_table},
 };
 
 /// An opened `.rad` file or its equal in memory.
@@ -50,10 +51,11 @@ impl Container {
     /// [`Error::Io`] if it cannot be read, otherwise the rule of `formats/rad.md` that it breaks.
     pub fn open(path: &Path) -> Result<Container> {
         let io = |source| Error::Io { path: path.to_owned(), source };
-        let file = File::open(path).map_err(io)?;
-        if file.metadata().map_err(io)?.is_dir() {
-            return Err(io(std::io::ErrorKind::IsADirectory.into()));
+        // Asked before opening, because opening a pipe waits for its other end.
+        if let Some(kind) = other_than_a_file(path).map_err(io)? {
+            return Err(io(std::io::Error::other(format!("is {kind}, expected a .rad file"))));
         }
+        let file = File::open(path).map_err(io)?;
         Self::from_source(Bytes::map(&file).map_err(io)?)
     }
 
@@ -62,7 +64,7 @@ impl Container {
         Self::from_source(Bytes::copy(bytes))
     }
 
-    fn from_source(bytes: Bytes) -> Result<Container> {
+    pub(crate) fn from_source(bytes: Bytes) -> Result<Container> {
         let slice = bytes.as_slice();
         let header = Header::read(slice)?;
         let sections = read_table(slice, &header)?;
@@ -109,6 +111,10 @@ impl Container {
     }
 
     /// The raw bytes of a section.
+    ///
+    /// # Panics
+    ///
+    /// If `section` is a row of another container's table: a bug in the caller.
     pub fn data(&self, section: &Section) -> &[u8] {
         &self.as_bytes()[section.offset as usize..][..section.length as usize]
     }
@@ -121,12 +127,14 @@ impl Container {
     pub fn array<T: Element>(&self, name: &str, rank: usize) -> Result<(&[T], &[u64])> {
         let section = self.section(name)?;
         if section.element != T::TYPE || section.shape.len() != rank {
+            let dimensions = if rank == 1 { "dimension" } else { "dimensions" };
             return Err(Error::Shape {
                 name: name.into(),
                 found: section.describe(),
-                expected: format!("{} of rank {rank}", T::TYPE.name()),
+                expected: format!("{} with {rank} {dimensions}", T::TYPE.name()),
             });
         }
+        // Sections start at multiples of 64 in memory that is aligned to 8, so the cast cannot fail.
         Ok((bytemuck::cast_slice(self.data(section)), &section.shape))
     }
 
@@ -176,84 +184,12 @@ impl Section {
     }
 }
 
-fn check_crc(what: &str, data: &[u8], expected: u32) -> Result<()> {
-    match crc32fast::hash(data) {
-        found if found == expected => Ok(()),
-        found => Err(Error::Checksum { what: what.into(), found, expected }),
-    }
-}
-
-fn read_table(bytes: &[u8], header: &Header) -> Result<Vec<Section>> {
-    let rule = |what: String| Error::Layout { what, rule: "§3" };
-    if header.table_offset != HEADER_LENGTH {
-        return Err(rule(format!("section table at byte {}, expected {HEADER_LENGTH}", header.table_offset)));
-    }
-    let table_end = HEADER_LENGTH + u64::from(header.section_count) * ENTRY_LENGTH;
-    let Some(table) = bytes.get(HEADER_LENGTH as usize..table_end as usize) else {
-        return Err(rule(format!("{} sections do not fit into {} bytes", header.section_count, bytes.len())));
-    };
-    check_crc("section table", table, header.table_crc)?;
-
-    let mut sections = Vec::with_capacity(header.section_count as usize);
-    let mut end = table_end;
-    for raw in table.chunks_exact(ENTRY_LENGTH as usize) {
-        let section = read_entry(&bytemuck::pod_read_unaligned(raw))?;
-        let start = aligned(end);
-        if section.offset != start {
-            return Err(rule(format!(
-                "section {} at byte {}, expected {start} (multiples of {ALIGNMENT}, no holes)",
-                section.name, section.offset
-            )));
-        }
-        let stop = start.checked_add(section.length).filter(|&stop| stop <= bytes.len() as u64);
-        let Some(stop) = stop else {
-            return Err(rule(format!("section {} ends beyond the end of the file", section.name)));
-        };
-        check_padding(bytes, end, start)?;
-        if sections.iter().any(|s: &Section| s.name == section.name) {
-            return Err(rule(format!("section {} is there twice", section.name)));
-        }
-        sections.push(section);
-        end = stop;
-    }
-    if bytes.len() as u64 != aligned(end) {
-        return Err(rule(format!("{} bytes follow the last section", bytes.len() as u64 - end)));
-    }
-    check_padding(bytes, end, aligned(end))?;
-    Ok(sections)
-}
-
-fn check_padding(bytes: &[u8], from: u64, to: u64) -> Result<()> {
-    let padding = bytes.get(from as usize..to as usize);
-    if padding.is_some_and(|p| p.iter().all(|&b| b == 0)) {
-        return Ok(());
-    }
-    Err(Error::Layout { what: format!("bytes {from} to {to} should be zero padding"), rule: "§3" })
-}
-
-fn read_entry(entry: &Entry) -> Result<Section> {
-    let rule = |what: String| Error::Layout { what, rule: "§3" };
-    let used = entry.name.iter().position(|&b| b == 0).unwrap_or(entry.name.len());
-    let name = &entry.name[..used];
-    let legal = |b: &u8| b.is_ascii_lowercase() || b.is_ascii_digit() || matches!(b, b'.' | b'_' | b'-');
-    if name.is_empty() || !name.iter().all(legal) || entry.name[used..].iter().any(|&b| b != 0) {
-        return Err(rule(format!("section name {:?} is not lower-case ASCII", String::from_utf8_lossy(&entry.name))));
-    }
-    let name = String::from_utf8_lossy(name).into_owned();
-    let element = ElementType::from_code(entry.element)
-        .ok_or_else(|| rule(format!("section {name} has unknown element type {}", entry.element)))?;
-    let rank = entry.rank as usize;
-    if rank > 4 || entry.shape[rank.min(4)..].iter().any(|&e| e != 0) {
-        return Err(rule(format!("section {name} has rank {rank} and shape {:?}", entry.shape)));
-    }
-    let shape = entry.shape[..rank].to_vec();
-    let need = shape.iter().try_fold(element.size(), |bytes, &extent| bytes.checked_mul(extent));
-    if need != Some(entry.length) {
-        return Err(rule(format!(
-            "section {name}: shape {shape:?} of {} does not make the {} bytes that the table says",
-            element.name(),
-            entry.length
-        )));
-    }
-    Ok(Section { name, element, flags: entry.flags, shape, crc: entry.crc, offset: entry.offset, length: entry.length })
+/// What `path` is if it is neither a regular file nor a link to one.
+pub(crate) fn other_than_a_file(path: &Path) -> std::io::Result<Option<&'static str>> {
+    let metadata = std::fs::metadata(path)?;
+    Ok(match (metadata.is_file(), metadata.is_dir()) {
+        (true, _) => None,
+        (_, true) => Some("a folder"),
+        _ => Some("a pipe or a device"),
+    })
 }

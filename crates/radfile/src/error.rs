@@ -25,7 +25,7 @@ pub enum Error {
         /// The first bytes, in hexadecimal.
         found: String,
         /// What the file seems to be, if that can be told.
-        hint: &'static str,
+        hint: String,
     },
     /// The file ends before its own header says so, or goes on after it.
     #[error(

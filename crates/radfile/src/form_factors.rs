@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::{Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, Result};
+use crate::{Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, Result, record::check_patch_count};
 
 /// Dense form factors of `n` patches.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,9 +35,10 @@ impl FormFactors<'_> {
 ///
 /// # Errors
 ///
-/// [`Error::Missing`], or [`Error::Invariant`] for a share outside 0..1.
+/// [`Error::Missing`], or [`Error::Invariant`] for a share outside 0..1 or another number of patches.
 pub fn read_sky(c: &Container) -> Result<&[f32]> {
     let sky = c.array_of::<f32>("formfactor.sky", &[None])?;
+    check_patch_count(c, "form factors", sky.len())?;
     match sky.iter().position(|v| !(0.0..=1.0).contains(v)) {
         Some(i) => Err(Error::invariant("form factors", format!("sky of patch {i} is {}, expected 0..1", sky[i]))),
         None => Ok(sky),

@@ -2,7 +2,10 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    foreign,
+};
 
 /// First eight bytes of every file. The first is no text, so the file cannot be taken
 /// for a Radiance scene (also `.rad`); CR LF and LF show newline damage; SUB stops `type`.
@@ -13,8 +16,14 @@ pub const VERSION: (u16, u16) = (1, 0);
 pub const FLAG_REQUIRED: u32 = 1;
 /// The section's contents depend on the order of the patches.
 pub const FLAG_PATCH_ORDER: u32 = 2;
+/// All flags of this major version; the other bits are zero.
+pub const KNOWN_FLAGS: u32 = FLAG_REQUIRED | FLAG_PATCH_ORDER;
 /// Sections start at multiples of this many bytes.
 pub const ALIGNMENT: u64 = 64;
+/// Longest section name in bytes.
+pub const NAME_LENGTH: usize = 32;
+/// Largest number of dimensions of a section.
+pub const MAX_RANK: usize = 4;
 
 /// The first 64 bytes.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -36,22 +45,30 @@ pub struct Header {
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub struct Entry {
-    pub name: [u8; 32],
+    pub name: [u8; NAME_LENGTH],
     pub element: u32,
     pub flags: u32,
     pub crc: u32,
     pub rank: u32,
     pub offset: u64,
     pub length: u64,
-    pub shape: [u64; 4],
+    pub shape: [u64; MAX_RANK],
 }
 
 /// Length of the header in bytes.
 pub const HEADER_LENGTH: u64 = size_of::<Header>() as u64;
+/// The header's checksum is that of its bytes up to the checksum itself.
+pub const HEADER_CRC_SPAN: usize = std::mem::offset_of!(Header, header_crc);
 /// Length of one table entry in bytes.
 pub const ENTRY_LENGTH: u64 = size_of::<Entry>() as u64;
 
-/// `bytes` rounded up to the next section boundary.
+/// Whether `name` may name a section: 1 to 32 of a-z 0-9 . _ -
+pub fn is_legal_name(name: &[u8]) -> bool {
+    let legal = |b: &u8| b.is_ascii_lowercase() || b.is_ascii_digit() || matches!(b, b'.' | b'_' | b'-');
+    (1..=NAME_LENGTH).contains(&name.len()) && name.iter().all(legal)
+}
+
+/// `bytes`, a length within an existing file, rounded up to the next section boundary.
 pub fn aligned(bytes: u64) -> u64 {
     bytes.next_multiple_of(ALIGNMENT)
 }
@@ -61,7 +78,7 @@ impl Header {
     pub fn read(bytes: &[u8]) -> Result<Header> {
         let head = &bytes[..bytes.len().min(8)];
         if head != IDENTIFIER {
-            return Err(Error::Identifier { found: hex(head), hint: foreign_hint(bytes) });
+            return Err(Error::Identifier { found: hex(head), hint: foreign::hint(bytes) });
         }
         let have = bytes.len() as u64;
         let Some(head) = bytes.get(..HEADER_LENGTH as usize) else {
@@ -71,7 +88,7 @@ impl Header {
         if header.major != VERSION.0 {
             return Err(Error::Version { major: header.major, minor: header.minor });
         }
-        let found = crc32fast::hash(&head[..36]);
+        let found = crc32fast::hash(&head[..HEADER_CRC_SPAN]);
         if found != header.header_crc {
             return Err(Error::Checksum { what: "header".into(), found, expected: header.header_crc });
         }
@@ -90,20 +107,4 @@ fn hex(bytes: &[u8]) -> String {
         return "nothing, it is empty".into();
     }
     bytes.iter().map(|b| format!("{b:02X}")).collect::<Vec<_>>().join(" ")
-}
-
-/// Files that people mistake for ours.
-fn foreign_hint(bytes: &[u8]) -> &'static str {
-    let text = |prefix: &[u8]| bytes.starts_with(prefix);
-    if bytes.is_empty() {
-        ""
-    } else if bytes[0] == IDENTIFIER[0] {
-        " (newlines were converted in transfer, or the file is cut short)"
-    } else if text(b"glTF") || text(b"{") || text(b"# ") || text(b"v ") {
-        " (is it a mesh or JSON? a scene goes to `allbounce voxel-simplify` or `allbounce bake`)"
-    } else if bytes.iter().take(256).all(|&b| b == b'\n' || b == b'\r' || b == b'\t' || (0x20..0x7f).contains(&b)) {
-        " (it is text: a Radiance scene has the same ending `.rad` but is another format)"
-    } else {
-        ""
-    }
 }

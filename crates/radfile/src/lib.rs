@@ -16,8 +16,10 @@ compile_error!("a .rad file is little-endian and is mapped without conversion; b
 mod builder;
 mod bytes;
 mod container;
+mod diff;
 mod element;
 mod error;
+mod foreign;
 mod form_factors;
 mod layout;
 mod locator;
@@ -31,10 +33,12 @@ mod permutation;
 mod progress;
 mod provenance;
 mod record;
+mod table;
 mod transfer;
 
 pub use builder::{Builder, Sink};
 pub use container::{Container, Section};
+pub use diff::{Report, SectionDiff, Tolerance, Verdict, diff};
 pub use element::{Element, ElementType};
 pub use error::{Error, Result};
 pub use form_factors::{FormFactors, read_sky};

@@ -57,6 +57,8 @@ struct Meta {
     textures: Vec<(String, u64, [Wrap; 2])>,
 }
 
+const META: &str = "materials.meta";
+
 impl Materials {
     /// Whether every reflectance is grey, so that one channel of the operator serves all three.
     /// Textures count as coloured.
@@ -77,7 +79,7 @@ impl Materials {
                 ));
             }
             if !m.emission.iter().all(|e| e.is_finite() && *e >= 0.0) {
-                return broken(format!("material {:?} has emission {:?}", m.name, m.emission));
+                return broken(format!("material {:?} has emission {:?}, expected numbers ≥ 0", m.name, m.emission));
             }
             let textures = [m.reflectance_texture, m.emission_texture];
             if textures.iter().flatten().any(|&t| t as usize >= self.textures.len()) {
@@ -88,11 +90,16 @@ impl Materials {
     }
 }
 
+/// Number of materials in a container, `None` if it has none.
+pub(crate) fn count(c: &Container) -> Result<Option<usize>> {
+    Ok(if c.has(META) { Some(c.meta::<Meta>(META)?.materials.len()) } else { None })
+}
+
 impl<'a> Record<'a> for Materials {
     const PREFIX: &'static str = "materials.";
 
     fn read(c: &'a Container) -> Result<Materials> {
-        let meta: Meta = c.meta("materials.meta")?;
+        let meta: Meta = c.meta(META)?;
         let mut bytes = c.array_of::<u8>("materials.textures", &[None])?;
         let mut textures = Vec::with_capacity(meta.textures.len());
         for (name, length, wrap) in meta.textures {
@@ -102,6 +109,9 @@ impl<'a> Record<'a> for Materials {
             textures.push(Texture { name, bytes: image.to_vec(), wrap });
             bytes = rest;
         }
+        if !bytes.is_empty() {
+            return Err(Error::invariant("materials", format!("{} bytes of textures belong to none", bytes.len())));
+        }
         let materials = Materials { materials: meta.materials, textures };
         materials.check()?;
         Ok(materials)
@@ -109,7 +119,7 @@ impl<'a> Record<'a> for Materials {
 
     fn write<'b>(&'b self, b: &mut Builder<'b>) {
         let textures = self.textures.iter().map(|t| (t.name.clone(), t.bytes.len() as u64, t.wrap)).collect();
-        b.meta("materials.meta", FLAG_REQUIRED, &Meta { materials: self.materials.clone(), textures });
+        b.meta(META, FLAG_REQUIRED, &Meta { materials: self.materials.clone(), textures });
         let bytes: Vec<u8> = self.textures.iter().flat_map(|t| t.bytes.iter().copied()).collect();
         b.array("materials.textures", FLAG_REQUIRED, &[bytes.len()], bytes);
     }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Builder, Container, Error, FLAG_REQUIRED, Record, Result};
+use crate::{Builder, Container, Error, FLAG_REQUIRED, Record, Result, materials};
 
 /// Static geometry: `v` vertices, `t` triangles.
 ///
@@ -66,10 +66,15 @@ impl Mesh {
             return broken(format!("{} triangles; face numbers hold 2^31", self.triangles.len()));
         }
         if let Some(v) = self.positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-            return broken(format!("vertex {v} is {:?}", self.positions[v]));
+            return broken(format!("vertex {v} is {:?}, expected finite numbers", self.positions[v]));
         }
         if !self.origin.iter().all(|x| x.is_finite()) {
-            return broken(format!("origin is {:?}", self.origin));
+            return broken(format!("origin is {:?}, expected finite numbers", self.origin));
+        }
+        for (name, uv) in [("uv", &self.uv), ("emission_uv", &self.emission_uv)] {
+            if let Some(v) = uv.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+                return broken(format!("vertex {v} has {name} {:?}, expected finite numbers", uv[v]));
+            }
         }
         let v = self.positions.len();
         match self.triangles.iter().position(|t| t.iter().any(|&i| i as usize >= v)) {
@@ -100,7 +105,14 @@ impl<'a> Record<'a> for Mesh {
             triangles,
         };
         mesh.check()?;
-        Ok(mesh)
+        let Some(count) = materials::count(c)? else { return Ok(mesh) };
+        match mesh.triangle_material.iter().position(|&m| m as usize >= count) {
+            Some(t) => {
+                let what = format!("triangle {t} has material {}, there are {count}", mesh.triangle_material[t]);
+                Err(Error::invariant("mesh", what))
+            }
+            None => Ok(mesh),
+        }
     }
 
     fn write<'b>(&'b self, b: &mut Builder<'b>) {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, Result};
+use crate::{Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, Result, record::check_patch_count};
 
 /// Symmetric operator of `n` patches for one channel (grey scene) or three.
 ///
@@ -40,11 +40,12 @@ impl<'a> Record<'a> for Operator<'a> {
     fn read(c: &'a Container) -> Result<Operator<'a>> {
         let meta: Meta = c.meta("series.meta")?;
         let (values, shape) = c.array::<f32>("series.values", 3)?;
-        let (channels, n) = (shape[0] as usize, shape[1] as usize);
-        if shape[1] != shape[2] || !matches!(channels, 1 | 3) {
-            let what = format!("operator of shape {shape:?}, expected [1 or 3, n, n]");
-            return Err(Error::invariant("operator", what));
+        if shape[1] != shape[2] || !matches!(shape[0], 1 | 3) {
+            return Err(Error::invariant("operator", format!("shape {shape:?}, expected [1 or 3, n, n]")));
         }
+        // With 1 or 3 in front, n² elements are in the file, so n is no larger than a length in memory.
+        let (channels, n) = (shape[0] as usize, shape[1] as usize);
+        check_patch_count(c, "operator", n)?;
         if let Some(at) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
             let (i, j) = (at / n % n, at % n);
             return Err(Error::invariant("operator", format!("K[{i}, {j}] is {}, expected K ≥ 0", values[at])));

@@ -86,6 +86,10 @@ impl Patches {
     }
 
     /// Checks that offsets, counts, areas and reflectances obey the format's rules.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invariant`] with the first offender.
     pub fn check(&self) -> Result<()> {
         let n = self.len();
         let broken = |what: String| Err(Error::invariant("patches", what));
@@ -96,14 +100,14 @@ impl Patches {
             return broken(format!("patch {i} has reflectance {:?}, expected 0 ≤ ρ < 1", self.reflectance[i]));
         }
         if let Some(i) = self.emission.iter().position(|e| !e.iter().all(|v| *v >= 0.0 && v.is_finite())) {
-            return broken(format!("patch {i} has emission {:?}", self.emission[i]));
+            return broken(format!("patch {i} has emission {:?}, expected numbers ≥ 0", self.emission[i]));
         }
         let unit = |v: &[f32; 3]| (v.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-3;
         if let Some(i) = self.normal.iter().position(|v| !unit(v)) {
             return broken(format!("patch {i} has normal {:?}, expected a unit vector", self.normal[i]));
         }
         if let Some(i) = self.position.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-            return broken(format!("patch {i} lies at {:?}", self.position[i]));
+            return broken(format!("patch {i} lies at {:?}, expected finite numbers", self.position[i]));
         }
         check_offsets("patches", "piece_start", &self.piece_start, n, self.pieces.len())?;
         if let Some(i) = (0..n).find(|&i| self.pieces_of(i).is_empty()) {
@@ -112,7 +116,8 @@ impl Patches {
         let finite = |p: &Piece| p.corners.as_flattened().iter().all(|x| x.is_finite());
         let faces = self.locator.face_start.len().saturating_sub(1);
         if let Some(i) = self.pieces.iter().position(|p| !finite(p) || p.face as usize >= faces) {
-            return broken(format!("piece {i} is {:?}, there are {faces} faces", self.pieces[i]));
+            let what = format!("piece {i} is {:?}, expected finite corners and a face below {faces}", self.pieces[i]);
+            return broken(what);
         }
         self.check_locator(faces)
     }
@@ -122,7 +127,15 @@ impl Patches {
         let broken = |what: String| Err(Error::invariant("patches", what));
         check_offsets("patches", "face_start", &l.face_start, faces, l.cell_key.len())?;
         if !(l.cell_size > 0.0 && l.cell_size.is_finite() && l.grid_origin.iter().all(|x| x.is_finite())) {
-            return broken(format!("voxel grid of size {} at {:?}", l.cell_size, l.grid_origin));
+            let what = format!("voxel grid of cell size {} at {:?}", l.cell_size, l.grid_origin);
+            return broken(format!("{what}, expected a positive size and finite numbers"));
+        }
+        let increasing = |face: usize| {
+            let keys = &l.cell_key[l.face_start[face] as usize..l.face_start[face + 1] as usize];
+            keys.windows(2).all(|pair| pair[0] < pair[1])
+        };
+        if let Some(face) = (0..faces).find(|&f| !increasing(f)) {
+            return broken(format!("the cells of face {face} do not increase"));
         }
         match l.cell_patch.iter().position(|&p| p as usize >= self.len()) {
             Some(i) => broken(format!("cell {i} names patch {}, there are {}", l.cell_patch[i], self.len())),
@@ -174,10 +187,10 @@ impl<'a> Record<'a> for Patches {
         };
         patches.check()?;
         if c.has("mesh.triangles") {
-            let (_, mesh) = c.array::<u32>("mesh.triangles", 2)?;
-            if patches.locator.face_start.len() as u64 != 2 * mesh[0] + 1 {
-                let what =
-                    format!("{} faces, the mesh has {} triangles", patches.locator.face_start.len() - 1, mesh[0]);
+            let triangles = c.array_of::<u32>("mesh.triangles", &[None, Some(3)])?.len() / 3;
+            let faces = patches.locator.face_start.len() - 1;
+            if faces != 2 * triangles {
+                let what = format!("made for {faces} faces, the mesh has {triangles} triangles with two each");
                 return Err(Error::invariant("patches", what));
             }
         }

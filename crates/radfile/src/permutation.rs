@@ -1,6 +1,6 @@
 //! One order for rows, columns and everything else that patches index.
 
-use crate::{Builder, Container, Error, FLAG_REQUIRED, Record, Result};
+use crate::{Builder, Container, Error, FLAG_REQUIRED, Record, Result, record::check_patch_count};
 
 /// Patch order: entry `k` is the old index of the patch that is now number `k`.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,7 +83,9 @@ impl<'a> Record<'a> for Permutation {
     const PREFIX: &'static str = "permute.";
 
     fn read(c: &'a Container) -> Result<Permutation> {
-        Permutation::new(c.array_of::<u32>("permute.new_to_old", &[None])?.to_vec())
+        let new_to_old = c.array_of::<u32>("permute.new_to_old", &[None])?;
+        check_patch_count(c, "permutation", new_to_old.len())?;
+        Permutation::new(new_to_old.to_vec())
     }
 
     fn write<'b>(&'b self, b: &mut Builder<'b>) {

@@ -1,9 +1,9 @@
 //! The list of sections that this version knows, and what a typed record is.
 
-use crate::{Builder, Container, Result};
+use crate::{Builder, Container, Error, Result};
 
-/// Every section of this version: name, the stage that writes it, whether a reader must know it.
-/// The same table stands in `formats/rad.md` §4; a test compares the two.
+/// Every section of this version and the stage that writes it.
+/// The same list, with element types, shapes and meaning, stands in `formats/rad.md` §4; a test compares the two.
 pub const SECTIONS: &[(&str, &str)] = &[
     ("provenance", "every stage"),
     ("mesh.meta", "voxel-simplify"),
@@ -69,4 +69,17 @@ pub trait Record<'a>: Sized {
 
     /// Adds the record's sections to a container being built.
     fn write<'b>(&'b self, builder: &mut Builder<'b>);
+}
+
+/// Checks that a record over `n` patches and the patches of the same container, if there are any, agree.
+pub(crate) fn check_patch_count(container: &Container, record: &'static str, n: usize) -> Result<()> {
+    const AREA: &str = "patches.area";
+    if !container.has(AREA) {
+        return Ok(());
+    }
+    let patches = container.array_of::<f32>(AREA, &[None])?.len();
+    if patches == n {
+        return Ok(());
+    }
+    Err(Error::invariant(record, format!("made for {n} patches, the file holds {patches}; run its stage again")))
 }

@@ -71,31 +71,63 @@ pub struct Transfer {
 }
 
 impl Transfer {
-    /// Checks counts and indices against `patch_count` patches and `triangle_count` triangles of the mesh.
+    /// Checks numbers, counts and indices, those of senders against `patch_count` patches and those of sources
+    /// against `triangle_count` triangles of the mesh.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invariant`] with the first offender.
     pub fn check(&self, patch_count: usize, triangle_count: usize) -> Result<()> {
         let broken = |what: String| Err(Error::invariant("transfer", what));
-        check_offsets("transfer", "row_start", &self.rows.row_start, self.position.len(), self.rows.patch.len())?;
-        if let Some(e) = self.rows.patch.iter().position(|&p| p as usize >= patch_count) {
-            return broken(format!("entry {e} names patch {}, there are {patch_count}", self.rows.patch[e]));
+        let finite = |v: &[f32; 3]| v.iter().all(|x| x.is_finite());
+        if let Some(r) = self.position.iter().position(|p| !finite(p)) {
+            return broken(format!("receiver {r} lies at {:?}, expected finite numbers", self.position[r]));
         }
-        if let Some(e) = self.rows.weight.iter().position(|w| !(0.0..=1.0001).contains(w)) {
-            return broken(format!("entry {e} has weight {}, expected 0..1", self.rows.weight[e]));
+        let unit = |v: &[f32; 3]| (v.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-3;
+        if let Some(r) = self.normal.iter().position(|v| !unit(v)) {
+            return broken(format!("receiver {r} has normal {:?}, expected a unit vector", self.normal[r]));
         }
-        let fine = &self.fine;
-        let vertices = fine.vertex.len() as u32;
-        if let Some(t) = fine.triangle.iter().position(|t| t.iter().any(|&v| v >= vertices)) {
-            return broken(format!("fine triangle {t} names a vertex that is not there"));
+        self.check_rows(patch_count)?;
+        self.check_fine_mesh(triangle_count)
+    }
+
+    fn check_rows(&self, patch_count: usize) -> Result<()> {
+        let broken = |what: String| Err(Error::invariant("transfer", what));
+        let rows = &self.rows;
+        check_offsets("transfer", "row_start", &rows.row_start, self.position.len(), rows.patch.len())?;
+        if let Some(e) = rows.patch.iter().position(|&p| p as usize >= patch_count) {
+            return broken(format!("entry {e} names patch {}, there are {patch_count}", rows.patch[e]));
+        }
+        if let Some(e) = rows.weight.iter().position(|w| !(0.0..=1.0001).contains(w)) {
+            return broken(format!("entry {e} has weight {}, expected 0..1", rows.weight[e]));
+        }
+        let sum = |r: usize| rows.row(r).map(|(_, weight)| f64::from(weight)).sum::<f64>();
+        let normalised = |r: usize| rows.row_start[r] == rows.row_start[r + 1] || (sum(r) - 1.0).abs() < 1e-3;
+        match (0..rows.len()).find(|&r| !normalised(r)) {
+            Some(r) => broken(format!("the weights of receiver {r} sum to {}, expected 1", sum(r))),
+            None => Ok(()),
+        }
+    }
+
+    fn check_fine_mesh(&self, triangle_count: usize) -> Result<()> {
+        let broken = |what: String| Err(Error::invariant("transfer", what));
+        let (fine, receivers) = (&self.fine, self.position.len());
+        if let Some(v) = fine.vertex.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            return broken(format!("fine vertex {v} is {:?}, expected finite numbers", fine.vertex[v]));
+        }
+        let vertices = fine.vertex.len();
+        if let Some(t) = fine.triangle.iter().position(|t| t.iter().any(|&v| v as usize >= vertices)) {
+            return broken(format!("fine triangle {t} names vertices {:?}, there are {vertices}", fine.triangle[t]));
         }
         if let Some(t) = fine.source.iter().position(|&s| s as usize >= triangle_count) {
-            return broken(format!(
-                "fine triangle {t} comes from triangle {}, there are {triangle_count}",
-                fine.source[t]
-            ));
+            let source = fine.source[t];
+            return broken(format!("fine triangle {t} comes from triangle {source}, there are {triangle_count}"));
         }
-        let receivers = self.position.len() as u32;
-        let legal = |r: &u32| *r < receivers || *r == NO_RECEIVER;
+        let legal = |r: &u32| (*r as usize) < receivers || *r == NO_RECEIVER;
         match fine.receiver.iter().position(|r| !r.as_flattened().iter().all(legal)) {
-            Some(t) => broken(format!("fine triangle {t} names a receiver that is not there")),
+            Some(t) => {
+                broken(format!("fine triangle {t} names receivers {:?}, there are {receivers}", fine.receiver[t]))
+            }
             None => Ok(()),
         }
     }
@@ -104,10 +136,9 @@ impl Transfer {
 impl<'a> Record<'a> for Transfer {
     const PREFIX: &'static str = "transfer.";
 
-    /// Reads the record; [`Transfer::check`] against patches and mesh is done where those are in the same container.
+    /// Reads the record and checks it against the patches and the mesh, which must be in the same container.
     fn read(c: &'a Container) -> Result<Transfer> {
-        let (_, shape) = c.array::<f32>("transfer.position", 2)?;
-        let receivers = shape[0] as usize;
+        let receivers = c.array_of::<f32>("transfer.position", &[None, Some(3)])?.len() / 3;
         let vectors = |name| -> Result<Vec<[f32; 3]>> {
             Ok(c.array_of::<f32>(name, &[Some(receivers), Some(3)])?.as_chunks().0.to_vec())
         };
@@ -130,9 +161,9 @@ impl<'a> Record<'a> for Transfer {
                 receiver: receiver.as_chunks::<3>().0.as_chunks::<2>().0.to_vec(),
             },
         };
-        let (_, patches) = c.array::<f32>("patches.area", 1)?;
-        let (_, triangles) = c.array::<u32>("mesh.triangles", 2)?;
-        transfer.check(patches[0] as usize, triangles[0] as usize)?;
+        let patches = c.array_of::<f32>("patches.area", &[None])?.len();
+        let triangles = c.array_of::<u32>("mesh.triangles", &[None, Some(3)])?.len() / 3;
+        transfer.check(patches, triangles)?;
         Ok(transfer)
     }
 
