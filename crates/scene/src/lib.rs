@@ -16,6 +16,7 @@ mod patch_sampler;
 mod rays;
 mod sampling;
 mod scene;
+mod stored_extras;
 mod surfaces;
 mod triangle_test;
 

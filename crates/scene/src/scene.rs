@@ -3,7 +3,7 @@
 use radfile::{Builder, Container, Materials, Mesh, Record};
 use serde::{Deserialize, Serialize};
 
-use crate::{Camera, Light, Result};
+use crate::{Camera, Light, Result, stored_extras::StoredExtras};
 
 /// What a scene file holds, in metres about the mesh's local origin.
 #[derive(Clone, Debug, Default)]
@@ -40,7 +40,8 @@ impl Scene {
             let what = format!("triangle {t} has material {}, there are {count}", mesh.triangle_material[t]);
             return Err(radfile::Error::invariant("mesh", what).into());
         }
-        let extras = if container.has(EXTRAS) { container.meta(EXTRAS)? } else { Extras::default() };
+        let extras =
+            if container.has(EXTRAS) { container.meta::<StoredExtras>(EXTRAS)?.into() } else { Extras::default() };
         Ok(Scene { mesh, materials, extras })
     }
 
@@ -48,6 +49,6 @@ impl Scene {
     pub fn write<'b>(&'b self, builder: &mut Builder<'b>) {
         self.mesh.write(builder);
         self.materials.write(builder);
-        builder.meta(EXTRAS, 0, &self.extras);
+        builder.meta(EXTRAS, 0, &StoredExtras::from(&self.extras));
     }
 }
