@@ -1,0 +1,48 @@
+//! Why no weights were made.
+
+/// Result of this stage.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What was found, what was expected, what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The edge is no length.
+    #[error(
+        "the longest edge of the fine mesh is {found} m, expected a positive length; leave it out for the voxel size"
+    )]
+    Edge {
+        /// The edge that was asked for.
+        found: f32,
+    },
+    /// More fine triangles than the limit.
+    #[error(
+        "edges of {edge} m cut the mesh into about {triangles} triangles ({mebibytes} MiB with their weights), \
+         the limit is {limit}; an edge of {remedy} m fits"
+    )]
+    TooFine {
+        /// The edge that was asked for, metres.
+        edge: f32,
+        /// About how many triangles it makes.
+        triangles: u64,
+        /// Memory that they and their weights would take.
+        mebibytes: u64,
+        /// Largest number that is accepted.
+        limit: u64,
+        /// An edge that stays below the limit, metres.
+        remedy: f32,
+    },
+    /// The source mesh alone has more triangles than the limit.
+    #[error(
+        "the mesh has {triangles} triangles before any is cut, the limit of fine triangles is {limit}; raise the limit"
+    )]
+    LargeMesh {
+        /// Triangles of the mesh.
+        triangles: u64,
+        /// Largest number that is accepted.
+        limit: u64,
+    },
+    /// The container is broken or cannot be written.
+    #[error(transparent)]
+    Container(#[from] radfile::Error),
+}

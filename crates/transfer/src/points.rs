@@ -1,0 +1,44 @@
+//! Weights of any points on surfaces, by the same rule as those of the fine mesh.
+
+use glam::Vec3;
+use radfile::{Patches, Progress, Rows};
+use rayon::prelude::*;
+use scene::Rays;
+
+use crate::{
+    Params,
+    senders::{Row, Senders, join},
+};
+
+/// A point on a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// Position, metres, local axes.
+    pub position: Vec3,
+    /// Unit normal; picks the side.
+    pub normal: Vec3,
+}
+
+/// One row a point: weights of the patches in its sight, or of the patch that it lies on, or none
+/// if it lies on no surface.
+pub fn rows_for_points(
+    patches: &Patches,
+    rays: &Rays,
+    points: &[Point],
+    params: &Params,
+    progress: &dyn Progress,
+) -> Rows {
+    let senders = Senders::new(patches, rays, params.radius);
+    progress.begin("weights", points.len() as u64);
+    let row = |point: &Point| -> Row {
+        let own = || {
+            let place = senders.sight.place(point.position, point.normal);
+            let face = senders.sight.face_under(&place)?;
+            patches.locator.patch_at(face, point.position.to_array())
+        };
+        let row = senders.row(point.position, point.normal, own);
+        progress.advance(1);
+        row
+    };
+    join(points.par_iter().map(row).collect())
+}
