@@ -1,15 +1,31 @@
 //! Points on the real pieces of a patch, uniform by area.
+//!
+//! Points keep a distance from the edges of their piece that is above the rounding of coordinates.
+//! Walls meet at edges; a point that is rounded onto or past the next wall would see what is behind it.
 
 use glam::Vec3;
 use radfile::{Patches, Piece};
 
 use crate::square_to_triangle;
 
+/// Distance that points keep from the edges of their piece, relative to the largest coordinate:
+/// four times the gap of `Rays::off_surface`.
+const INSET: f32 = 64.0 * f32::EPSILON;
+
 /// Draws points on patches. Shared by form factors, direct light and the GPU's sample points.
 pub struct PatchSampler<'a> {
     patches: &'a Patches,
-    /// For every piece, the area of its patch's pieces up to and including it, as a share of the whole.
-    share: Vec<f32>,
+    /// What is known of each piece beforehand.
+    prepared: Vec<Prepared>,
+}
+
+struct Prepared {
+    /// Area of the patch's pieces up to and including this one, as a share of the whole.
+    share: f32,
+    /// Unit normal on the patch's side.
+    normal: Vec3,
+    /// Least weight of each corner, so that points keep their distance from the edge opposite to it.
+    least: [f32; 3],
 }
 
 /// A point on a piece of a patch.
@@ -26,43 +42,77 @@ pub struct SurfacePoint {
 impl<'a> PatchSampler<'a> {
     /// Prepares the patches.
     pub fn new(patches: &'a Patches) -> PatchSampler<'a> {
-        let mut share = Vec::with_capacity(patches.pieces.len());
+        let corners = patches.pieces.iter().flat_map(|p| p.corners.as_flattened());
+        let inset = INSET * corners.fold(0.0f32, |m, x| m.max(x.abs()));
+        let mut prepared = Vec::with_capacity(patches.pieces.len());
         for patch in 0..patches.len() {
-            let areas: Vec<f64> = patches.pieces_of(patch).iter().map(|p| f64::from(area(p))).collect();
-            let total: f64 = areas.iter().sum();
+            let pieces = patches.pieces_of(patch);
+            let total: f64 = pieces.iter().map(area).sum();
             let mut sum = 0.0;
-            share.extend(areas.iter().map(|a| {
-                sum += a;
-                (sum / total) as f32
+            prepared.extend(pieces.iter().enumerate().map(|(k, piece)| {
+                sum += area(piece);
+                // A patch of nothing but slivers: all of them count the same.
+                let share = if total > 0.0 { sum / total } else { (k + 1) as f64 / pieces.len() as f64 };
+                let normal = normal(piece).unwrap_or(Vec3::from(patches.normal[patch]));
+                Prepared { share: share as f32, normal, least: least_weights(piece, inset) }
             }));
         }
-        PatchSampler { patches, share }
+        PatchSampler { patches, prepared }
     }
 
     /// The point of a patch at `(x, y)` of the unit square: x chooses the piece by area and is then
     /// stretched over it, so stratified numbers give stratified points.
     pub fn point(&self, patch: usize, x: f32, y: f32) -> SurfacePoint {
         let start = self.patches.piece_start[patch] as usize;
-        let shares = &self.share[start..self.patches.piece_start[patch + 1] as usize];
-        let k = shares.partition_point(|&s| s <= x).min(shares.len() - 1);
-        let low = if k == 0 { 0.0 } else { shares[k - 1] };
-        let stretched = ((x - low) / (shares[k] - low)).clamp(0.0, 1.0);
+        let prepared = &self.prepared[start..self.patches.piece_start[patch + 1] as usize];
+        let k = prepared.partition_point(|p| p.share <= x).min(prepared.len() - 1);
+        let low = if k == 0 { 0.0 } else { prepared[k - 1].share };
+        let width = prepared[k].share - low;
+        let stretched = if width > 0.0 { ((x - low) / width).clamp(0.0, 1.0) } else { 0.5 };
         let piece = &self.patches.pieces[start + k];
-        let (u, v) = square_to_triangle(if stretched.is_nan() { 0.5 } else { stretched }, y);
+        let (u, v) = square_to_triangle(stretched, y);
+        let [_, u, v] = keep_inside([1.0 - u - v, u, v], prepared[k].least);
         let [a, b, c] = piece.corners.map(Vec3::from);
-        SurfacePoint { position: a + u * (b - a) + v * (c - a), normal: self.normal(piece), triangle: piece.face / 2 }
-    }
-
-    /// Unit normal of a piece on its patch's side; slivers take the patch's normal.
-    fn normal(&self, piece: &Piece) -> Vec3 {
-        let [a, b, c] = piece.corners.map(Vec3::from);
-        let front = (b - a).cross(c - a);
-        if piece.face % 2 == 0 { front.normalize_or_zero() } else { -front.normalize_or_zero() }
+        SurfacePoint { position: a + u * (b - a) + v * (c - a), normal: prepared[k].normal, triangle: piece.face / 2 }
     }
 }
 
+/// Twice the area of a piece as a vector along the normal of its front.
+fn cross(piece: &Piece) -> glam::DVec3 {
+    let [a, b, c] = piece.corners.map(|p| Vec3::from(p).as_dvec3());
+    (b - a).cross(c - a)
+}
+
 /// Area of a piece, m².
-fn area(piece: &Piece) -> f32 {
-    let [a, b, c] = piece.corners.map(Vec3::from);
-    0.5 * (b - a).cross(c - a).length()
+fn area(piece: &Piece) -> f64 {
+    0.5 * cross(piece).length()
+}
+
+/// Unit normal of a piece on its patch's side, `None` for a piece without area.
+fn normal(piece: &Piece) -> Option<Vec3> {
+    let front = cross(piece).try_normalize()?.as_vec3();
+    Some(if piece.face.is_multiple_of(2) { front } else { -front })
+}
+
+/// The corners' weights at the distance `inset` from the opposite edges; their sum is at most 1,
+/// which is reached by pieces so thin that only their middle is left.
+fn least_weights(piece: &Piece, inset: f32) -> [f32; 3] {
+    let [a, b, c] = piece.corners.map(|p| Vec3::from(p).as_dvec3());
+    let twice_area = cross(piece).length();
+    let edges = [(c - b).length(), (a - c).length(), (b - a).length()];
+    let perimeter: f64 = edges.iter().sum();
+    if perimeter == 0.0 {
+        return [1.0 / 3.0; 3];
+    }
+    // The height over an edge is twice the area divided by the edge.
+    let inset = f64::from(inset).min(twice_area / perimeter);
+    edges.map(|e| if twice_area > 0.0 { (inset * e / twice_area) as f32 } else { (e / perimeter) as f32 })
+}
+
+/// Raises weights to their least value; the others give what is gained, in proportion to what they can spare.
+fn keep_inside(weights: [f32; 3], least: [f32; 3]) -> [f32; 3] {
+    let spare: [f32; 3] = std::array::from_fn(|i| (weights[i] - least[i]).max(0.0));
+    let (all, wanted) = (spare.iter().sum::<f32>(), (1.0 - least.iter().sum::<f32>()).max(0.0));
+    let factor = if all > 0.0 { wanted / all } else { 0.0 };
+    std::array::from_fn(|i| least[i] + factor * spare[i])
 }

@@ -3,8 +3,8 @@
 //! Boxes come from obvhs' 8-wide compressed BVH, triangles are tested by `triangle_test.rs`. A ray
 //! must not slip through where triangles meet, so boxes are padded by more than the rounding of
 //! the box test. obvhs ignores boxes that end nearer than 1e-4 along the ray, in units of the
-//! ray's direction; directions are therefore shortened by a power of two until that is below the
-//! rounding of the coordinates.
+//! ray's direction; every direction is therefore scaled by a power of two to a length at which
+//! that is far below the pad of the boxes.
 
 use glam::{Vec3, Vec3A};
 use obvhs::{
@@ -24,8 +24,9 @@ use crate::triangle_test::{Meeting, ShearedRay};
 /// Passed as `ignore` where no triangle is to be ignored.
 pub const NO_TRIANGLE: u32 = u32::MAX;
 
-/// Pad of every box, relative to the largest coordinate: 16 units in the last place.
-const BOX_PAD: f32 = 16.0 * f32::EPSILON;
+/// Pad of every box, relative to the largest coordinate. The box test rounds by up to 8 epsilon for
+/// origins inside the scene, the quantisation of boxes by up to 10.
+const BOX_PAD: f32 = 32.0 * f32::EPSILON;
 /// Distance that ray origins keep from their surface, relative to the largest coordinate.
 const SURFACE_GAP: f32 = 16.0 * f32::EPSILON;
 
@@ -34,8 +35,8 @@ pub struct Rays {
     bvh: CwBvh,
     /// Corners and number of the triangle in each slot of the BVH.
     slots: Vec<Slot>,
-    /// Power of two that directions are multiplied by.
-    direction_scale: f32,
+    /// Exponent of two that the largest component of every direction is brought to.
+    direction_exponent: i32,
     gap: f32,
 }
 
@@ -72,14 +73,13 @@ impl Rays {
         let bvh = build(&triangles, largest * BOX_PAD);
         let slot = |&t: &u32| Slot { corners: triangles[t as usize], triangle: t };
         let slots = bvh.primitive_indices.iter().map(slot).collect();
-        let direction_scale = (largest.log2().ceil() - 14.0).exp2();
-        Rays { bvh, slots, direction_scale, gap: largest * SURFACE_GAP }
+        Rays { bvh, slots, direction_exponent: exponent(largest) - 14, gap: largest * SURFACE_GAP }
     }
 
     /// The first triangle that a ray from `origin` meets at a distance above 0 and below `limit`
     /// (in lengths of `direction`). The triangle `ignore` is passed through.
     pub fn closest(&self, origin: Vec3, direction: Vec3, limit: f32, ignore: u32) -> Option<Hit> {
-        let (ray, sheared) = self.prepare(origin, direction, limit);
+        let (ray, sheared, scale) = self.prepare(origin, direction, limit);
         let mut best: Option<(Meeting, u32)> = None;
         let mut nearest = RayHit::none();
         self.bvh.ray_traverse(ray, &mut nearest, |ray, slot| {
@@ -95,7 +95,7 @@ impl Rays {
         best.map(|(m, triangle)| Hit {
             triangle,
             side: if m.front { Side::Front } else { Side::Back },
-            t: m.t * self.direction_scale,
+            t: m.t * scale,
             u: m.u,
             v: m.v,
         })
@@ -128,7 +128,7 @@ impl Rays {
         if direction == Vec3::ZERO {
             return true;
         }
-        let (ray, sheared) = self.prepare(origin, direction, limit);
+        let (ray, sheared, _) = self.prepare(origin, direction, limit);
         self.bvh.ray_traverse_miss(ray, |ray, slot| {
             let slot = &self.slots[slot];
             match sheared.meet(&slot.corners) {
@@ -138,19 +138,26 @@ impl Rays {
         })
     }
 
-    fn prepare(&self, origin: Vec3, direction: Vec3, limit: f32) -> (Ray, ShearedRay) {
-        let origin = Vec3A::from(origin);
-        let direction = Vec3A::from(direction) * self.direction_scale;
+    /// The ray with its direction multiplied by the returned power of two.
+    fn prepare(&self, origin: Vec3, direction: Vec3, limit: f32) -> (Ray, ShearedRay, f32) {
+        let scale = power_of_two(self.direction_exponent - exponent(direction.abs().max_element()));
+        // Adding zero turns -0 to +0: obvhs takes the near side of a box from the sign of the component.
+        let direction = Vec3A::from(direction) * scale + Vec3A::ZERO;
         let inverse = direction.to_array().map(|d| (1.0 / d).clamp(-1e30, 1e30));
-        let ray = Ray {
-            origin,
-            direction,
-            inv_direction: Vec3A::from_array(inverse),
-            tmin: 0.0,
-            tmax: limit / self.direction_scale,
-        };
-        (ray, ShearedRay::new(origin, direction))
+        let origin = Vec3A::from(origin);
+        let inv_direction = Vec3A::from_array(inverse);
+        let ray = Ray { origin, direction, inv_direction, tmin: 0.0, tmax: limit / scale };
+        (ray, ShearedRay::new(origin, direction), scale)
     }
+}
+
+/// Exponent of a positive number: the power of two that is not above it.
+fn exponent(x: f32) -> i32 {
+    (x.to_bits() >> 23) as i32 - 127
+}
+
+fn power_of_two(exponent: i32) -> f32 {
+    f32::from_bits(((exponent.clamp(-126, 127) + 127) as u32) << 23)
 }
 
 /// The slow, good build of obvhs, with padded boxes.

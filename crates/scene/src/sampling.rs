@@ -2,7 +2,8 @@
 //!
 //! Sources: S. Joe, F. Kuo, Constructing Sobol sequences with better two-dimensional projections,
 //! SIAM J. Sci. Comput. 30, 2008 (direction numbers); B. Burley, Practical Hash-based Owen
-//! Scrambling, JCGT 9(4), 2020 (scrambling); P. Shirley, K. Chiu, A low distortion map between
+//! Scrambling, JCGT 9(4), 2020 (scrambling), with the constants of N. Vegdahl, Building a Better LK
+//! Hash, 2021, as in pbrt 4; P. Shirley, K. Chiu, A low distortion map between
 //! disk and square, 1997; E. Heitz, A Low-Distortion Map Between Triangle and Square, 2019.
 
 use glam::{Vec2, Vec3};
@@ -16,13 +17,23 @@ pub struct Sobol {
     seed: u32,
 }
 
-/// Direction numbers of dimensions 1 to 4 (the first is van der Corput), most significant bit first.
-const DIRECTIONS: [[u32; 32]; 4] = [
+/// For every bit of the index, the direction numbers of the four dimensions (the first is van der Corput).
+const DIRECTIONS: [[u32; 4]; 32] = transpose([
     directions(0, 0, [1, 0, 0]),
     directions(1, 0, [1, 0, 0]),
     directions(2, 1, [1, 3, 0]),
     directions(3, 1, [1, 3, 1]),
-];
+]);
+
+const fn transpose(dimensions: [[u32; 32]; 4]) -> [[u32; 4]; 32] {
+    let mut bits = [[0; 4]; 32];
+    let mut i = 0;
+    while i < 128 {
+        bits[i / 4][i % 4] = dimensions[i % 4][i / 4];
+        i += 1;
+    }
+    bits
+}
 
 /// Direction numbers from a primitive polynomial of `degree` with inner coefficients `a`.
 const fn directions(degree: usize, a: u32, initial: [u32; 3]) -> [u32; 32] {
@@ -55,23 +66,24 @@ impl Sobol {
     }
 
     /// Sample `index`: four numbers in [0, 1).
+    ///
+    /// The order is scrambled as well, so sequences of different seeds may be used side by side.
     pub fn sample(&self, index: u32) -> [f32; 4] {
-        let index = owen(index.reverse_bits(), hash(self.seed, 0x5bd1)).reverse_bits();
-        std::array::from_fn(|d| {
-            let mut x = 0;
-            let mut bits = index;
-            while bits != 0 {
-                let lowest = bits.trailing_zeros();
-                x ^= DIRECTIONS[d][lowest as usize];
-                bits &= bits - 1;
-            }
-            let x = owen(x, hash(self.seed, d as u32));
-            (x >> 8) as f32 * (1.0 / (1 << 24) as f32)
-        })
+        let mut bits = owen(index, hash(self.seed, 0x5bd1));
+        let mut x = [0u32; 4];
+        while bits != 0 {
+            let directions = &DIRECTIONS[bits.trailing_zeros() as usize];
+            x = std::array::from_fn(|d| x[d] ^ directions[d]);
+            bits &= bits - 1;
+        }
+        std::array::from_fn(|d| (owen(x[d], hash(self.seed, d as u32)) >> 8) as f32 * (1.0 / (1 << 24) as f32))
     }
 }
 
-/// Scrambles the bits of a fraction, most significant first: each bit is flipped by a hash of those above it.
+/// Nested uniform scrambling: each bit of a fraction is flipped by a hash of the bits above it.
+///
+/// The hash carries from low bits to high ones, hence the reversals. On an index it permutes every
+/// block of 2^k and keeps it a block, so stratification survives.
 fn owen(x: u32, seed: u32) -> u32 {
     let mut x = x.reverse_bits();
     x ^= x.wrapping_mul(0x3d20_adea);

@@ -78,6 +78,6 @@ impl ShearedRay {
         }
         let inverse = 1.0 / determinant;
         let t = (u * a[2] + v * b[2] + w * c[2]) * sz * inverse;
-        Some(Meeting { t, u: v * inverse, v: w * inverse, front: determinant < 0.0 })
+        Some(Meeting { t, u: v * inverse, v: w * inverse, front: determinant > 0.0 })
     }
 }

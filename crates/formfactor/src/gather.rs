@@ -1,0 +1,90 @@
+//! The rays of one patch, counted where they land.
+//!
+//! A sample is one point of a four-dimensional Sobol sequence: two numbers place it on the patch,
+//! two give the direction. The density cos θ / π makes the plain count an unbiased estimate of F.
+
+use glam::Vec3;
+use radfile::{Patches, face_id};
+use scene::{PatchSampler, Rays, Sobol, cosine_direction, hash};
+
+use crate::Params;
+
+/// What became of the samples of one patch.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tally {
+    /// Samples with a ray.
+    pub rays: u32,
+    /// Rays that met a patch.
+    pub hits: u32,
+    /// Rays that met nothing.
+    pub escaped: u32,
+    /// Rays that met a face without a patch.
+    pub absorbed: u32,
+    /// Samples whose start was moved.
+    pub moved: u32,
+    /// Samples that had no room to start.
+    pub discarded: u32,
+}
+
+/// Where patches can be sampled and what their rays meet.
+pub struct Surroundings<'a> {
+    pub rays: &'a Rays,
+    pub sampler: PatchSampler<'a>,
+    pub patches: &'a Patches,
+}
+
+/// A wall nearer than this share of the gap cannot be told from the surface itself.
+const ROUNDING_SHARE: f32 = 0.25;
+
+impl Surroundings<'_> {
+    /// Sends the rays of `patch`; `row[j]` becomes the number that met patch j.
+    pub fn gather(&self, patch: usize, params: &Params, row: &mut [f32]) -> Tally {
+        let sobol = Sobol::new(hash(params.seed, patch as u32));
+        let mut counts = vec![0u32; row.len()];
+        let mut tally = Tally::default();
+        for k in 0..params.rays {
+            let [x, y, u, v] = sobol.sample(k);
+            let point = self.sampler.point(patch, x, y);
+            let Some(origin) = self.start(point.position, point.normal, point.triangle, &mut tally) else {
+                continue;
+            };
+            tally.rays += 1;
+            let direction = cosine_direction(point.normal, u, v);
+            let Some(hit) = self.rays.closest(origin, direction, f32::INFINITY, point.triangle) else {
+                tally.escaped += 1;
+                continue;
+            };
+            let place = (origin + hit.t * direction).to_array();
+            match self.patches.locator.patch_at(face_id(hit.triangle, hit.side), place) {
+                Some(seen) => {
+                    tally.hits += 1;
+                    counts[seen as usize] += 1;
+                }
+                None => tally.absorbed += 1,
+            }
+        }
+        for (value, count) in row.iter_mut().zip(counts) {
+            *value = count as f32;
+        }
+        tally
+    }
+
+    /// The start of a ray: off the surface, but not through another wall that is nearer than the gap.
+    ///
+    /// In an acute corner the next wall may be nearer; the start is then moved halfway to it. Where
+    /// that cannot be told from rounding there is no start, and the patch's other samples stand for this one.
+    fn start(&self, point: Vec3, normal: Vec3, own: u32, tally: &mut Tally) -> Option<Vec3> {
+        let gap = self.rays.gap();
+        match self.rays.closest(point, normal, gap, own) {
+            Some(wall) if wall.t > ROUNDING_SHARE * gap => {
+                tally.moved += 1;
+                Some(point + 0.5 * wall.t * normal)
+            }
+            Some(_) => {
+                tally.discarded += 1;
+                None
+            }
+            None => Some(self.rays.off_surface(point, normal)),
+        }
+    }
+}
