@@ -1,1 +1,37 @@
-//! The run time on a CPU: direct light, packed product, transfer, pictures
+//! The run time on a CPU: direct light, packed product, transfer, pictures.
+//!
+//! A frame (DESIGN §3) is direct irradiance of the patches, one product with the packed operator and
+//! a transfer to what is looked at. Start at [`Relighter`], which ties a bake together:
+//!
+//! - [`DirectLight`]: irradiance of all lights of a rig at any point, with shadow rays.
+//! - [`patch_irradiance`]: the same, averaged over patches.
+//! - [`multiply`], [`indirect`]: the product with the packed operator, all bounces at once.
+//! - [`bounces`]: the first k bounces, where the form factors are still there.
+//! - [`light_at_points`], [`render`], [`tone_map`]: what is made of it.
+//!
+//! This is the definition that the GPU's answers are held against. Every function gives the same
+//! bits for any number of threads.
+
+mod bounces;
+mod crowd;
+mod direct;
+mod emitters;
+mod error;
+mod patch_light;
+mod points;
+mod polygon;
+mod product;
+mod relighter;
+mod render;
+mod tone_map;
+mod view;
+
+pub use bounces::bounces;
+pub use direct::{DirectLight, Samples};
+pub use error::{Error, Result};
+pub use patch_light::{PatchSamples, patch_irradiance};
+pub use points::{PointLight, light_at_points, surface_points};
+pub use product::{indirect, multiply};
+pub use relighter::{Frame, Relighter};
+pub use render::{Image, Look, Parts, Shown, render};
+pub use tone_map::{Exposure, tone_map};

@@ -19,7 +19,7 @@ mod tessellate;
 mod triangle;
 
 pub use error::{Error, Result};
-pub use points::{Point, rows_for_points};
+pub use points::rows_for_points;
 
 use radfile::{Builder, Container, Mesh, Patches, Progress, Record, Sink, Step, Transfer};
 use rayon::prelude::*;

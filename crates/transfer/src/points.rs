@@ -1,36 +1,26 @@
 //! Weights of any points on surfaces, by the same rule as those of the fine mesh.
 
-use glam::Vec3;
 use radfile::{Patches, Progress, Rows};
 use rayon::prelude::*;
-use scene::Rays;
+use scene::{Rays, SurfacePoint};
 
 use crate::{
     Params,
     senders::{Row, Senders, join},
 };
 
-/// A point on a surface.
-#[derive(Clone, Copy, Debug)]
-pub struct Point {
-    /// Position, metres, local axes.
-    pub position: Vec3,
-    /// Unit normal; picks the side.
-    pub normal: Vec3,
-}
-
 /// One row a point: weights of the patches in its sight, or of the patch that it lies on, or none
-/// if it lies on no surface.
+/// if it lies on no surface. The points' triangles need not be known ([`scene::NO_TRIANGLE`]).
 pub fn rows_for_points(
     patches: &Patches,
     rays: &Rays,
-    points: &[Point],
+    points: &[SurfacePoint],
     params: &Params,
     progress: &dyn Progress,
 ) -> Rows {
     let senders = Senders::new(patches, rays, params.radius);
     progress.begin("weights", points.len() as u64);
-    let row = |point: &Point| -> Row {
+    let row = |point: &SurfacePoint| -> Row {
         let own = || {
             let place = senders.sight.place(point.position, point.normal);
             let face = senders.sight.face_under(&place)?;

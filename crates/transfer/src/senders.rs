@@ -10,6 +10,7 @@ use scene::{Rays, basis};
 use crate::{
     fit::{Sample, fit},
     sight::{Place, Sight},
+    triangle::nearest_point,
 };
 
 /// Patches that face away by more than this cosine lie on another surface.
@@ -21,6 +22,9 @@ const GROWTH: f32 = 1.6;
 const WIDENINGS: u32 = 3;
 /// A patch that is a small part of its voxel speaks for a small part of the surface, but not for nothing.
 const SMALLEST_SHARE: f32 = 1e-3;
+
+/// How far the position of a patch is moved towards the middle of a piece.
+const INWARD: f32 = 0.02;
 
 /// Patches by place.
 pub struct Senders<'a> {
@@ -50,7 +54,7 @@ impl<'a> Senders<'a> {
         let sight = Sight::new(rays, cell);
         let places: Vec<Place> = (0..patches.len())
             .into_par_iter()
-            .map(|p| sight.place(Vec3::from(patches.position[p]), Vec3::from(patches.normal[p])))
+            .map(|p| sight.place(inner_position(patches, p), Vec3::from(patches.normal[p])))
             .collect();
         let radius = radius * cell;
         let mut grid: HashMap<[i32; 3], Vec<u32>> = HashMap::new();
@@ -113,6 +117,15 @@ impl<'a> Senders<'a> {
         let smooth = same_side.min(1.0);
         (near * in_plane).powi(2) * smooth * smooth * (3.0 - 2.0 * smooth) * share
     }
+}
+
+/// The position of a patch, a little inside its nearest piece: on an edge it might be rounded through the next wall.
+fn inner_position(patches: &Patches, patch: usize) -> Vec3 {
+    let position = Vec3::from(patches.position[patch]);
+    let pieces = patches.pieces_of(patch).iter().map(|p| p.corners.map(Vec3::from));
+    let distance = |corners: &[Vec3; 3]| nearest_point(*corners, position).distance_squared(position);
+    let nearest = pieces.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    nearest.map_or(position, |[a, b, c]| position.lerp((a + b + c) / 3.0, INWARD))
 }
 
 fn cell_of(position: Vec3, size: f32) -> [i32; 3] {

@@ -5,8 +5,8 @@ mod common;
 use common::Maker;
 use glam::Vec3;
 use radfile::{Mesh, NO_RECEIVER, Patches, Quiet, Side, Transfer};
-use scene::Rays;
-use transfer::{Params, Point, Report, rows_for_points, transfer};
+use scene::{NO_TRIANGLE, Rays, SurfacePoint};
+use transfer::{Params, Report, rows_for_points, transfer};
 
 const BOTH: &[Side] = &[Side::Front, Side::Back];
 
@@ -14,6 +14,11 @@ fn make(mesh: &Mesh, patches: &Patches) -> (Transfer, Report) {
     let (made, report) = transfer(mesh, patches, &Rays::new(mesh), &Params::default(), &Quiet).expect("it is small");
     made.check(patches.len(), mesh.triangles.len()).expect("the record keeps its rules");
     (made, report)
+}
+
+/// A point that looks up.
+fn point(position: Vec3) -> SurfacePoint {
+    SurfacePoint { position, normal: Vec3::Y, triangle: NO_TRIANGLE }
 }
 
 /// A floor of 8 × 8 patches of half a metre in free space.
@@ -43,9 +48,9 @@ fn light_that_grows_evenly_across_a_floor_does_so_after_the_transfer() {
     let (mesh, patches) = floor();
     let rays = Rays::new(&mesh);
     let light: Vec<[f32; 3]> = patches.position.iter().map(|p| [p[0], p[2], p[0] - p[2]]).collect();
-    let places: Vec<Point> = (0..100)
+    let places: Vec<SurfacePoint> = (0..100)
         .map(|i| Vec3::new(0.6 + 0.03 * (i % 10 * 9) as f32, 0.0, 0.6 + 0.03 * (i / 10 * 9) as f32))
-        .map(|position| Point { position, normal: Vec3::Y })
+        .map(|position| point(position))
         .collect();
     let rows = rows_for_points(&patches, &rays, &places, &Params::default(), &Quiet);
     for (place, found) in places.iter().zip(rows.gather(&light)) {
@@ -124,11 +129,11 @@ fn a_point_that_sees_no_patch_takes_the_one_it_lies_on() {
     maker.sheet(low + Vec3::X * size, Vec3::Z * size, Vec3::Y * size, [1, 1], &[]);
     maker.sheet(low + Vec3::Y * size, Vec3::Z * size, Vec3::X * size, [1, 1], &[]);
     let (mesh, patches) = maker.finish();
-    let points = [Point { position: low + Vec3::new(0.05, 0.0, 0.05), normal: Vec3::Y }];
+    let points = [point(low + Vec3::new(0.05, 0.0, 0.05))];
     let rows = rows_for_points(&patches, &Rays::new(&mesh), &points, &Params::default(), &Quiet);
     // Second row and second column of the sheet, whose rows run along z.
     assert_eq!(rows.row(0).collect::<Vec<_>>(), [(9, 1.0)]);
-    let in_the_air = [Point { position: Vec3::new(2.0, 50.0, 2.0), normal: Vec3::Y }];
+    let in_the_air = [point(Vec3::new(2.0, 50.0, 2.0))];
     let rows = rows_for_points(&patches, &Rays::new(&mesh), &in_the_air, &Params::default(), &Quiet);
     assert_eq!(rows.row(0).count(), 0, "a point in the air lies on no patch");
 }

@@ -1,0 +1,23 @@
+//! Why a bake cannot be relit.
+
+/// Result of what needs parts of a bake to fit together.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Found, expected, where, what next.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Two parts of the bake count the patches differently.
+    #[error("{part} is for {found} patches, the bake has {expected}; bake the scene again")]
+    PatchCount {
+        /// Which part.
+        part: &'static str,
+        /// Its number of patches.
+        found: usize,
+        /// Number of patches.
+        expected: usize,
+    },
+    /// A texture that cannot be decoded.
+    #[error(transparent)]
+    Scene(#[from] scene::Error),
+}

@@ -1,0 +1,71 @@
+//! All bounces at once: H_ind = A^{-1/2} K A^{1/2} (ρ H⁰) with the packed K (DESIGN §2, equation 2).
+
+use radfile::{PackedOperator, Patches};
+use rayon::prelude::*;
+
+/// Partial sums of a row: independent, so that the processor adds several at a time.
+const LANES: usize = 8;
+
+/// y = K x in three colours; `x` is in the order of patches. Rows are decoded four at a time and
+/// never kept, so the memory is that of the packed operator.
+///
+/// # Panics
+///
+/// If `x` has not one value a patch: a bug in the caller.
+pub fn multiply(packed: &PackedOperator, x: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let n = packed.packing.n as usize;
+    assert_eq!(x.len(), n, "one value a patch of the operator");
+    let colours: [Vec<f32>; 3] = std::array::from_fn(|c| x.iter().map(|v| v[c]).collect());
+    let mut y = vec![[0.0; 3]; n];
+    y.par_chunks_mut(4).enumerate().for_each_init(
+        || vec![0.0; 4 * n],
+        |rows, (block_row, y)| {
+            for channel in 0..packed.packing.channels as usize {
+                packed.decode_rows(channel, block_row, n, rows);
+                for (i, y) in y.iter_mut().enumerate() {
+                    let row = &mut rows[i * n..][..n];
+                    packed.add_outliers(channel, 4 * block_row + i, row);
+                    if packed.packing.channels == 1 {
+                        *y = std::array::from_fn(|c| dot(row, &colours[c]));
+                    } else {
+                        y[channel] = dot(row, &colours[channel]);
+                    }
+                }
+            }
+        },
+    );
+    y
+}
+
+/// Sum of products in double precision, always in the same order.
+fn dot(a: &[f32], b: &[f32]) -> f32 {
+    let mut lanes = [0.0f64; LANES];
+    let (a, a_rest) = a.as_chunks::<LANES>();
+    let (b, b_rest) = b.as_chunks::<LANES>();
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..LANES {
+            lanes[lane] += f64::from(a[lane]) * f64::from(b[lane]);
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum();
+    (lanes.iter().sum::<f64>() + rest) as f32
+}
+
+/// Indirect irradiance of the patches, W/m², from their direct irradiance.
+///
+/// # Panics
+///
+/// If patches, operator and `direct` differ in length: a bug in the caller.
+pub fn indirect(patches: &Patches, packed: &PackedOperator, direct: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    assert_eq!(direct.len(), patches.len(), "one value a patch");
+    let sent: Vec<[f32; 3]> = direct
+        .iter()
+        .enumerate()
+        .map(|(i, h)| std::array::from_fn(|c| patches.area[i].sqrt() * patches.reflectance[i][c] * h[c]))
+        .collect();
+    let mut received = multiply(packed, &sent);
+    for (h, area) in received.iter_mut().zip(&patches.area) {
+        *h = h.map(|v| v / area.sqrt());
+    }
+    received
+}

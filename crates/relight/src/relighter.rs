@@ -1,0 +1,110 @@
+//! A bake, ready for frames.
+
+use radfile::{FormFactors, PackedOperator, Patches, Progress};
+use scene::{LightRig, Rays, Scene, Surfaces};
+
+use crate::{
+    DirectLight, PatchSamples, bounces,
+    error::{Error, Result},
+    indirect, patch_irradiance,
+};
+
+/// The parts of a bake that a frame needs; they are known to fit together.
+pub struct Relighter<'a> {
+    scene: &'a Scene,
+    surfaces: Surfaces<'a>,
+    rays: &'a Rays,
+    patches: &'a Patches,
+    packed: &'a PackedOperator<'a>,
+    sky: &'a [f32],
+}
+
+/// Light of the patches in one frame, W/m².
+#[derive(Clone, Debug, PartialEq)]
+pub struct Frame {
+    /// Direct irradiance H⁰.
+    pub direct: Vec<[f32; 3]>,
+    /// Irradiance after one and more bounces.
+    pub indirect: Vec<[f32; 3]>,
+}
+
+impl<'a> Relighter<'a> {
+    /// Ties a bake together. `rays` are over the triangles of `scene`, `sky` is [`radfile::read_sky`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::PatchCount`] if operator or sky are of another number of patches,
+    /// [`Error::Scene`] if a texture cannot be decoded.
+    pub fn new(
+        scene: &'a Scene,
+        rays: &'a Rays,
+        patches: &'a Patches,
+        packed: &'a PackedOperator<'a>,
+        sky: &'a [f32],
+    ) -> Result<Relighter<'a>> {
+        same_count("the packed operator", packed.packing.n as usize, patches)?;
+        same_count("the sky visibility", sky.len(), patches)?;
+        let surfaces = Surfaces::new(&scene.mesh, &scene.materials)?;
+        Ok(Relighter { scene, surfaces, rays, patches, packed, sky })
+    }
+
+    /// The lights of a rig over the bake's scene.
+    pub fn direct_light(&self, rig: &LightRig) -> DirectLight<'_> {
+        DirectLight::new(self.scene, &self.surfaces, self.rays, rig)
+    }
+
+    /// Direct and indirect irradiance of the patches under the lights, all bounces of the operator.
+    pub fn frame(&self, light: &DirectLight, samples: &PatchSamples, progress: &dyn Progress) -> Frame {
+        let direct = self.patch_light(light, samples, progress);
+        let indirect = indirect(self.patches, self.packed, &direct);
+        Frame { direct, indirect }
+    }
+
+    /// As [`Relighter::frame`], with exactly the first `count` bounces.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::PatchCount`] if the form factors are of another number of patches.
+    pub fn frame_of_bounces(
+        &self,
+        light: &DirectLight,
+        factors: &FormFactors,
+        count: u32,
+        samples: &PatchSamples,
+        progress: &dyn Progress,
+    ) -> Result<Frame> {
+        same_count("the form-factor matrix", factors.len(), self.patches)?;
+        let direct = self.patch_light(light, samples, progress);
+        let indirect = bounces(self.patches, factors, &direct, count);
+        Ok(Frame { direct, indirect })
+    }
+
+    /// Direct irradiance H⁰ of the patches, W/m².
+    pub fn patch_light(&self, light: &DirectLight, samples: &PatchSamples, progress: &dyn Progress) -> Vec<[f32; 3]> {
+        patch_irradiance(light, self.patches, self.sky, samples, progress)
+    }
+
+    /// The scene of the bake.
+    pub fn scene(&self) -> &Scene {
+        self.scene
+    }
+
+    /// Reflectance and emission of the scene's surfaces.
+    pub fn surfaces(&self) -> &Surfaces<'a> {
+        &self.surfaces
+    }
+
+    /// Ray queries over the scene.
+    pub fn rays(&self) -> &Rays {
+        self.rays
+    }
+
+    /// The patches of the bake.
+    pub fn patches(&self) -> &Patches {
+        self.patches
+    }
+}
+
+fn same_count(part: &'static str, found: usize, patches: &Patches) -> Result<()> {
+    if found == patches.len() { Ok(()) } else { Err(Error::PatchCount { part, found, expected: patches.len() }) }
+}
