@@ -20,17 +20,24 @@ pub struct Params {
     pub bounces: Option<u32>,
 }
 
-/// Bytes that [`all_bounces`] takes besides its inputs, its result included.
-pub fn memory_needed(n: usize, channels: usize, params: &Params) -> u64 {
-    if n == 0 {
-        return 0;
+impl Params {
+    /// Bytes that [`all_bounces`] takes besides its inputs, its result included.
+    pub fn memory_needed(&self, n: usize, channels: usize) -> u64 {
+        if n == 0 {
+            return 0;
+        }
+        let grid = Grid::new(n);
+        let lower = 8 * (grid.lower().len() * grid.tile_size()) as u64;
+        let panels = 8 * (grid.padded() as u64).pow(2);
+        let result = 4 * (channels * n * n) as u64;
+        let truncation = if self.bounces.is_some() { lower + panels } else { 0 };
+        result + 2 * lower + panels + truncation
     }
-    let grid = Grid::new(n);
-    let lower = 8 * (grid.lower().len() * grid.tile_size()) as u64;
-    let panels = 8 * (grid.padded() as u64).pow(2);
-    let result = 4 * (channels * n * n) as u64;
-    let truncation = if params.bounces.is_some() { lower + panels } else { 0 };
-    result + 2 * lower + panels + truncation
+}
+
+/// Bytes that [`all_bounces`] takes to solve for all bounces; see [`Params::memory_needed`] for a number of them.
+pub fn memory_needed(n: usize, channels: usize) -> u64 {
+    Params::default().memory_needed(n, channels)
 }
 
 /// Computes K for every channel: what each patch receives from each other after all bounces, scaled by areas.

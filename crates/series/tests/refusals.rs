@@ -42,6 +42,24 @@ fn light_that_never_fades_is_refused() {
 }
 
 #[test]
+fn a_corner_where_light_grows_slowly_is_found_among_many_where_it_fades() {
+    // Ten separate corners of three patches; light keeps 0.998 of itself a bounce in nine, 1.0002 in the fourth.
+    // Power iteration is too slow to tell them apart; the factorisation is exact.
+    let n = 30;
+    let mut values = vec![0.0; n * n];
+    for i in 0..n {
+        let keeps: f32 = if i / 3 == 3 { 1.0002 } else { 0.998 };
+        for j in (0..n).filter(|&j| j != i && j / 3 == i / 3) {
+            values[i * n + j] = keeps / 2.0 / 0.999;
+        }
+    }
+    let factors = FormFactors { values: values.into(), sky: vec![0.0; n].into() };
+    let text = refusal(&patches(vec![1.0; n], vec![[0.999; 3]; n]), &factors, None);
+    assert!(text.starts_with("grey: light grows") && text.contains("1.0002 of the light around it"), "{text}");
+    assert!((9..12).any(|patch| text.contains(&format!("the worst is patch {patch},"))), "{text}");
+}
+
+#[test]
 fn form_factors_of_another_scene_are_refused() {
     let text = refusal(&patches(vec![1.0; 3], vec![[0.5; 3]; 3]), &plates([0.0; 4]), None);
     assert!(text.starts_with("form factors of 2 patches (4 values), but there are 3 patches"), "{text}");

@@ -122,9 +122,9 @@ fn progress_reaches_exactly_its_total() {
 #[test]
 fn eight_thousand_coloured_patches_fit_in_six_gibibytes() {
     let factors = 4 * 8000_u64.pow(2);
-    let all = memory_needed(8000, 3, &Params::default()) + factors;
+    let all = memory_needed(8000, 3) + factors;
     assert!(all < 6 << 30, "{all}");
-    assert!(memory_needed(8000, 3, &Params { bounces: Some(3) }) + factors < 6 << 30);
+    assert!(Params { bounces: Some(3) }.memory_needed(8000, 3) + factors < 6 << 30);
     // The result alone is 3 · 4 · n² bytes; the solver's three matrices come on top.
     assert!(all > 12 * 8000_u64.pow(2) + factors);
 }
