@@ -19,6 +19,7 @@ mod scene;
 mod stored_extras;
 mod surfaces;
 mod triangle_test;
+mod wide_bvh;
 
 pub use camera::Camera;
 pub use error::{Error, Result};

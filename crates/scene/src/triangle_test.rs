@@ -1,4 +1,4 @@
-//! Watertight ray-triangle test.
+//! Watertight ray-triangle test, four triangles at a time.
 //!
 //! The ray is sheared to the z axis and the edges are tested in 2-D. Two triangles that share an
 //! edge compute the same number for it, so no ray slips between them; where single precision
@@ -6,32 +6,55 @@
 //!
 //! Source: S. Woop, C. Benthin, I. Wald, Watertight Ray/Triangle Intersection, JCGT 2(1), 2013.
 
-use glam::Vec3A;
+use glam::{BVec4A, Vec3, Vec4};
+
+/// Four triangles, one a lane.
+pub struct Quad {
+    /// Corner, then axis. Lanes without a triangle are NaN, which meets nothing.
+    corners: [[Vec4; 3]; 3],
+    /// Numbers of the triangles.
+    pub triangle: [u32; 4],
+    /// Whether this is the last of its leaf.
+    pub last: bool,
+}
 
 /// A ray, prepared for testing many triangles.
 #[derive(Clone, Copy)]
 pub struct ShearedRay {
-    origin: [f32; 3],
+    origin: [Vec4; 3],
     /// Axes: `axis[2]` is the largest component of the direction, the others keep the winding.
     axis: [usize; 3],
-    shear: [f32; 3],
+    shear: [Vec4; 3],
 }
 
-/// Where a ray meets a triangle.
-#[derive(Clone, Copy, Debug)]
-pub struct Meeting {
-    /// Distance in lengths of the ray's direction.
-    pub t: f32,
-    /// Barycentric weight of the second corner.
-    pub u: f32,
-    /// Barycentric weight of the third corner.
-    pub v: f32,
-    /// Whether the ray comes from the side on which the corners turn counter-clockwise.
-    pub front: bool,
+/// Where a ray meets the triangles of a quad. Only lanes in `lanes` mean something.
+pub struct Meetings {
+    /// Bit k: the line through the ray meets triangle k.
+    pub lanes: u32,
+    /// Distance in lengths of the ray's direction; may be negative.
+    pub t: Vec4,
+    /// Barycentric weights of the second and third corner.
+    pub u: Vec4,
+    pub v: Vec4,
+    /// Bit k: the ray comes from the side on which the corners turn counter-clockwise.
+    pub front: u32,
+}
+
+impl Quad {
+    /// Up to four triangles with their numbers.
+    pub fn new(triangles: &[(u32, [[f32; 3]; 3])]) -> Quad {
+        let lane = |k: usize, corner: usize, axis: usize| triangles.get(k).map_or(f32::NAN, |t| t.1[corner][axis]);
+        let lanes = |corner, axis| Vec4::from_array(std::array::from_fn(|k| lane(k, corner, axis)));
+        Quad {
+            corners: std::array::from_fn(|corner| std::array::from_fn(|axis| lanes(corner, axis))),
+            triangle: std::array::from_fn(|k| triangles.get(k).map_or(u32::MAX, |t| t.0)),
+            last: false,
+        }
+    }
 }
 
 impl ShearedRay {
-    pub fn new(origin: Vec3A, direction: Vec3A) -> ShearedRay {
+    pub fn new(origin: Vec3, direction: Vec3) -> ShearedRay {
         let d = direction.to_array();
         let magnitude = direction.abs().to_array();
         let kz = if magnitude[0] > magnitude[1] && magnitude[0] > magnitude[2] {
@@ -46,38 +69,56 @@ impl ShearedRay {
             std::mem::swap(&mut kx, &mut ky);
         }
         let shear = [d[kx] / d[kz], d[ky] / d[kz], 1.0 / d[kz]];
-        ShearedRay { origin: origin.to_array(), axis: [kx, ky, kz], shear }
+        let origin = origin.to_array();
+        ShearedRay {
+            origin: [kx, ky, kz].map(|k| Vec4::splat(origin[k])),
+            axis: [kx, ky, kz],
+            shear: shear.map(Vec4::splat),
+        }
     }
 
-    /// Tests one triangle; `t` may be negative.
+    /// Tests four triangles; `None` if none is met.
     #[inline(always)]
-    pub fn meet(&self, corners: &[[f32; 3]; 3]) -> Option<Meeting> {
+    pub fn meet(&self, quad: &Quad) -> Option<Meetings> {
         let [kx, ky, kz] = self.axis;
         let [sx, sy, sz] = self.shear;
-        let o = self.origin;
-        let project = |p: &[f32; 3]| {
-            let z = p[kz] - o[kz];
-            [p[kx] - o[kx] - sx * z, p[ky] - o[ky] - sy * z, z]
+        let [ox, oy, oz] = self.origin;
+        let project = |p: &[Vec4; 3]| {
+            let z = p[kz] - oz;
+            [p[kx] - ox - sx * z, p[ky] - oy - sy * z, z]
         };
-        let [a, b, c] = [project(&corners[0]), project(&corners[1]), project(&corners[2])];
+        let [a, b, c] = [project(&quad.corners[0]), project(&quad.corners[1]), project(&quad.corners[2])];
         let mut u = c[0] * b[1] - c[1] * b[0];
         let mut v = a[0] * c[1] - a[1] * c[0];
         let mut w = b[0] * a[1] - b[1] * a[0];
-        if u == 0.0 || v == 0.0 || w == 0.0 {
-            let exact = |p: [f32; 3], q: [f32; 3]| {
-                (f64::from(p[0]) * f64::from(q[1]) - f64::from(p[1]) * f64::from(q[0])) as f32
-            };
-            (u, v, w) = (exact(c, b), exact(a, c), exact(b, a));
+        let mut inside = agree(u, v, w);
+        if !inside.any() {
+            return None; // a zero agrees with either sign, so the exact test could not find more
         }
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
-            return None;
+        if (u.cmpeq(Vec4::ZERO) | v.cmpeq(Vec4::ZERO) | w.cmpeq(Vec4::ZERO)).any() {
+            (u, v, w) = (exact(c, b), exact(a, c), exact(b, a));
+            inside = agree(u, v, w);
         }
         let determinant = u + v + w;
-        if determinant == 0.0 {
-            return None; // seen exactly edge-on; a neighbour answers
-        }
+        // Seen exactly edge-on: a neighbour answers.
+        let lanes = (inside & determinant.cmpne(Vec4::ZERO)).bitmask();
         let inverse = 1.0 / determinant;
-        let t = (u * a[2] + v * b[2] + w * c[2]) * sz * inverse;
-        Some(Meeting { t, u: v * inverse, v: w * inverse, front: determinant > 0.0 })
+        let weight = [u * inverse, v * inverse, w * inverse];
+        let t = (weight[0] * a[2] + weight[1] * b[2] + weight[2] * c[2]) * sz;
+        let front = determinant.cmpgt(Vec4::ZERO).bitmask();
+        (lanes != 0).then_some(Meetings { lanes, t, u: weight[1], v: weight[2], front })
     }
+}
+
+/// Lanes in which no two of the numbers have opposite signs.
+#[inline(always)]
+fn agree(u: Vec4, v: Vec4, w: Vec4) -> BVec4A {
+    u.min(v).min(w).cmpge(Vec4::ZERO) | u.max(v).max(w).cmple(Vec4::ZERO)
+}
+
+/// The edge number p × q with the right sign: products of two `f32` are exact in `f64`.
+#[cold]
+fn exact(p: [Vec4; 3], q: [Vec4; 3]) -> Vec4 {
+    let lane = |k: usize| f64::from(p[0][k]) * f64::from(q[1][k]) - f64::from(p[1][k]) * f64::from(q[0][k]);
+    Vec4::from_array(std::array::from_fn(|k| lane(k) as f32))
 }
