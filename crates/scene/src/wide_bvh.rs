@@ -115,7 +115,7 @@ impl WideBvh {
             if child & LEAF != 0 {
                 for quad in &self.quads[(child & !LEAF) as usize..] {
                     reach = visit(quad);
-                    if quad.last {
+                    if quad.last || reach < 0.0 {
                         break;
                     }
                 }
@@ -174,12 +174,14 @@ impl WideBvh {
     }
 }
 
-/// Up to eight nodes below `root`: the largest is opened until there is no more room.
+/// Up to eight nodes below `root`: the largest is opened until there is no more room. What fits into a
+/// leaf stays together: a full quad costs no more than one of a single triangle.
 fn children(binary: &Bvh2, root: u32) -> Vec<u32> {
     let node = |n: u32| &binary.nodes[n as usize];
     let mut open = vec![root];
     while open.len() < 8 {
-        let can_open = |&(_, n): &(usize, &u32)| !node(*n).is_leaf();
+        let can_open =
+            |&(_, &n): &(usize, &u32)| !node(n).is_leaf() && (n == root || members(binary, n, LEAF_SIZE).is_none());
         let area = |n: u32| node(n).aabb().half_area();
         let largest = open.iter().enumerate().filter(can_open).max_by(|a, b| area(*a.1).total_cmp(&area(*b.1)));
         let Some((at, &n)) = largest else { break };

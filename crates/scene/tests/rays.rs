@@ -175,6 +175,9 @@ fn nested_triangles_of_all_sizes_are_all_found() {
         let origin = z * Vec3::new(0.1, 0.1, 1.2);
         let hit = rays.closest(origin, Vec3::NEG_Z, f32::INFINITY, NO_TRIANGLE).expect("triangles below");
         assert_eq!(hit.triangle, k);
+        let other_side = origin - 0.3 * z * Vec3::Z;
+        assert!(!rays.visible(origin, other_side, NO_TRIANGLE), "seen through triangle {k}");
+        assert!(rays.visible(origin, other_side, k), "only triangle {k} stands between");
     }
 }
 
