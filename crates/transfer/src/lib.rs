@@ -44,7 +44,7 @@ pub struct Params {
 
 impl Default for Params {
     fn default() -> Params {
-        Params { edge: None, radius: 1.75, max_triangles: 4_000_000 }
+        Params { edge: None, radius: 1.5, max_triangles: 4_000_000 }
     }
 }
 

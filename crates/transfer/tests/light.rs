@@ -50,7 +50,7 @@ fn light_that_grows_evenly_across_a_floor_does_so_after_the_transfer() {
     let light: Vec<[f32; 3]> = patches.position.iter().map(|p| [p[0], p[2], p[0] - p[2]]).collect();
     let places: Vec<SurfacePoint> = (0..100)
         .map(|i| Vec3::new(0.6 + 0.03 * (i % 10 * 9) as f32, 0.0, 0.6 + 0.03 * (i / 10 * 9) as f32))
-        .map(|position| point(position))
+        .map(point)
         .collect();
     let rows = rows_for_points(&patches, &rays, &places, &Params::default(), &Quiet);
     for (place, found) in places.iter().zip(rows.gather(&light)) {
