@@ -111,8 +111,9 @@ struct Row {
     wanted: f64,
     /// Σ_j E_ij that must not be passed, m².
     limit: f64,
-    /// Share of the rays that were absorbed; `None` if there is sky to see, so the rest is sky.
+    /// Whether some ray escaped, so that what the row lacks is sky.
     sees_sky: bool,
+    /// Share of the rays that were absorbed.
     absorbed: f64,
 }
 
@@ -182,6 +183,28 @@ fn largest(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Two patches that see nothing but each other: 1 m² and 0.98 m² cannot both send all they have.
+    #[test]
+    fn a_pair_that_its_ends_disagree_on_takes_the_stricter_end() {
+        let area = [1.0, 0.98];
+        let tally = Tally { rays: 100, hits: 100, ..Tally::default() };
+        let rows = [0, 1].map(|i| Row::new(&tally, f64::from(area[i]), 0.99));
+        let mut matrix = vec![0.0, 0.99, 0.99, 0.0];
+        let wanted: Vec<f64> = rows.iter().map(|r| r.wanted).collect();
+        let scaling = closure::scale_to_row_sums(&matrix, &wanted);
+        assert!(scaling.converged);
+        let sums = finish(&mut matrix, &area, &rows, &scaling.factor);
+        assert!((sums[0] - 0.98).abs() < 1e-6 && (sums[1] - 1.0).abs() < 1e-6, "rows sum to {sums:?}");
+        assert_eq!((rows[0].sky(sums[0]), rows[1].sky(sums[1])), (0.0, 0.0), "no sky where none was seen");
+    }
+
+    #[test]
+    fn a_patch_without_samples_keeps_what_others_saw_of_it() {
+        let row = Row::new(&Tally::default(), 2.0, 0.5);
+        assert_eq!((row.wanted, row.limit, row.sky(0.25)), (0.5, 2.0, 0.0));
+        assert_eq!(Row::new(&Tally::default(), 2.0, 3.0).wanted, 2.0, "but never more than its area");
+    }
 
     #[test]
     fn a_matrix_that_no_machine_holds_is_refused_with_its_size() {
