@@ -1,1 +1,33 @@
-//! The run time on a GPU: shadow maps, patch light, packed product, transfer, shading
+//! The run time on a GPU: shadow maps, patch light, packed product, transfer, shading.
+//!
+//! A frame is a handful of passes in one submission (DESIGN §3): for every lamp a shadow map and the light
+//! it brings to points (samples of patches, points of a list, pixels); the mean over each patch; the packed
+//! operator times what the patches send, which is all further bounces; the gather at receivers; the shading
+//! of a picture. The CPU does the same in `relight`, which is the twin that this crate is judged by.
+//!
+//! Start at [`Gpu::new`] and [`GpuRuntime::new`]. Kernels are in `shaders/`, one a file; this is the only
+//! crate that knows wgpu.
+//!
+//! Lights and cameras come in the scene file's axes, points in local axes: the scene's minus `mesh.origin`.
+
+mod buffers;
+mod emitters;
+mod error;
+mod gather;
+mod gpu;
+mod kernels;
+mod lamp;
+mod operator;
+mod patch_tables;
+mod picture;
+mod probe;
+mod runtime;
+mod shadows;
+mod textures;
+mod view;
+
+pub use error::{Error, Result};
+pub use gpu::{Adapter, Gpu};
+pub use operator::Decode;
+pub use picture::Parts;
+pub use runtime::{GpuRuntime, Params, PointLight, Relit, Report};

@@ -1,0 +1,233 @@
+//! The kernels: where their source is, how they are bound and dispatched.
+//!
+//! Bindings of a compute kernel are numbered 0, 1, … in group 0, in the order of the shader.
+
+use crate::Gpu;
+
+/// Sources, joined with what they share.
+pub const SHADOW_MAP: &str = concat!(
+    include_str!("../../../shaders/view.wgsl"),
+    include_str!("../../../shaders/lamp.wgsl"),
+    include_str!("../../../shaders/shadow_map.wgsl")
+);
+pub const DIRECT: &str = concat!(
+    include_str!("../../../shaders/view.wgsl"),
+    include_str!("../../../shaders/lamp.wgsl"),
+    include_str!("../../../shaders/direct.wgsl")
+);
+pub const PATCH_LIGHT: &str = include_str!("../../../shaders/patch_light.wgsl");
+pub const SENDERS: &str = include_str!("../../../shaders/senders.wgsl");
+pub const PRODUCT_SAMPLED: &str =
+    concat!(include_str!("../../../shaders/product.wgsl"), include_str!("../../../shaders/codes_sampled.wgsl"));
+pub const PRODUCT_STORED: &str =
+    concat!(include_str!("../../../shaders/product.wgsl"), include_str!("../../../shaders/codes_stored.wgsl"));
+pub const GATHER: &str = include_str!("../../../shaders/gather.wgsl");
+pub const SURFACE: &str =
+    concat!(include_str!("../../../shaders/view.wgsl"), include_str!("../../../shaders/surface.wgsl"));
+pub const SHADE: &str = include_str!("../../../shaders/shade.wgsl");
+
+/// Invocations of every workgroup.
+const GROUP: usize = 64;
+
+/// A compute kernel.
+pub struct Kernel {
+    name: &'static str,
+    pipeline: wgpu::ComputePipeline,
+}
+
+impl Gpu {
+    /// Compiles a compute kernel; `name` is its entry point.
+    pub(crate) fn kernel(&self, name: &'static str, source: &str) -> Kernel {
+        let module = self.shader(name, source);
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(name),
+            layout: None,
+            module: &module,
+            entry_point: Some(name),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        Kernel { name, pipeline }
+    }
+
+    /// Compiles a shader module.
+    pub(crate) fn shader(&self, name: &str, source: &str) -> wgpu::ShaderModule {
+        let source = wgpu::ShaderSource::Wgsl(source.into());
+        self.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source })
+    }
+
+    /// A bind group whose entries are numbered in order.
+    pub(crate) fn bind(&self, layout: &wgpu::BindGroupLayout, resources: &[wgpu::BindingResource]) -> wgpu::BindGroup {
+        let entries: Vec<wgpu::BindGroupEntry> = resources
+            .iter()
+            .enumerate()
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: binding as u32, resource: resource.clone() })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+    }
+}
+
+impl Kernel {
+    /// Runs one invocation for each of `count` items.
+    pub fn each(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &[wgpu::BindingResource],
+        count: usize,
+    ) {
+        self.groups(gpu, encoder, resources, count.div_ceil(GROUP));
+    }
+
+    /// Runs `groups` workgroups.
+    pub fn groups(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &[wgpu::BindingResource],
+        groups: usize,
+    ) {
+        if groups == 0 {
+            return;
+        }
+        let bindings = gpu.bind(&self.pipeline.get_bind_group_layout(0), resources);
+        let descriptor = wgpu::ComputePassDescriptor { label: Some(self.name), timestamp_writes: None };
+        let mut pass = encoder.begin_compute_pass(&descriptor);
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, &bindings, &[]);
+        let (x, y) = grid(groups as u64, u64::from(gpu.device.limits().max_compute_workgroups_per_dimension));
+        pass.dispatch_workgroups(x, y, 1);
+    }
+}
+
+/// The smallest x × y ≥ `groups` with x ≤ `limit` and the fewest rows.
+fn grid(groups: u64, limit: u64) -> (u32, u32) {
+    let rows = groups.div_ceil(limit);
+    (groups.div_ceil(rows) as u32, rows as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::mem::{offset_of, size_of};
+
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    use super::*;
+    use crate::{
+        gather::GatherParams,
+        lamp::Lamp,
+        operator::ProductParams,
+        patch_tables::PatchLightParams,
+        picture::{CameraUniform, MaterialUniform, ShadeParams},
+        view::View,
+    };
+
+    const ALL: [(&str, &str); 9] = [
+        ("shadow_map", SHADOW_MAP),
+        ("direct", DIRECT),
+        ("patch_light", PATCH_LIGHT),
+        ("senders", SENDERS),
+        ("product sampled", PRODUCT_SAMPLED),
+        ("product stored", PRODUCT_STORED),
+        ("gather", GATHER),
+        ("surface", SURFACE),
+        ("shade", SHADE),
+    ];
+
+    fn parse(source: &str) -> naga::Module {
+        naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)))
+    }
+
+    /// Size of a struct of a shader, and the names and offsets of its members.
+    fn layout(source: &str, name: &str) -> (usize, Vec<(String, usize)>) {
+        let module = parse(source);
+        let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).expect("a struct of that name");
+        let naga::TypeInner::Struct { members, span } = &found.1.inner else { panic!("{name} is no struct") };
+        let member = |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), m.offset as usize);
+        (*span as usize, members.iter().map(member).collect())
+    }
+
+    macro_rules! same_layout {
+        ($source:expr, $name:literal, $host:ty, [$($member:ident),* $(,)?]) => {
+            let (size, members) = layout($source, $name);
+            assert_eq!(size, size_of::<$host>(), $name);
+            assert_eq!(members, [$((stringify!($member).to_owned(), offset_of!($host, $member))),*], $name);
+        };
+    }
+
+    #[test]
+    fn every_shader_is_valid() {
+        for (name, source) in ALL {
+            let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+            validator.validate(&parse(source)).unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(source)));
+        }
+    }
+
+    #[test]
+    fn every_shader_file_is_used_and_says_what_it_does() {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders");
+        let mut files = 0;
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let source = std::fs::read_to_string(&path).unwrap();
+            assert!(ALL.iter().any(|(_, all)| all.contains(&source)), "{path:?} is used by no kernel");
+            for head in ["// twin ", "// units "] {
+                assert!(source.contains(head), "{path:?} lacks the line {head:?} in its head");
+            }
+            files += 1;
+        }
+        assert_eq!(files, 12);
+    }
+
+    #[test]
+    fn views_and_lamps_match_their_host_structs() {
+        same_layout!(DIRECT, "View", View, [right, up, forward, reach, perspective, unused_a, unused_b]);
+        same_layout!(
+            DIRECT,
+            "Lamp",
+            Lamp,
+            [views, position, kind, axis, view_count, colour, resolution, half_angle, penumbra, area, unused]
+        );
+    }
+
+    #[test]
+    fn parameters_of_kernels_match_their_host_structs() {
+        same_layout!(
+            PATCH_LIGHT,
+            "PatchLightParams",
+            PatchLightParams,
+            [patch_count, samples, unused_a, unused_b, sky]
+        );
+        for source in [PRODUCT_SAMPLED, PRODUCT_STORED] {
+            same_layout!(
+                source,
+                "ProductParams",
+                ProductParams,
+                [patch_count, tile, tiles, planes, channels, logarithmic, shift, bc1, scale]
+            );
+        }
+        same_layout!(GATHER, "GatherParams", GatherParams, [receivers, share, unused_a, unused_b, sky]);
+        same_layout!(SURFACE, "Camera", CameraUniform, [view, eye]);
+        same_layout!(SURFACE, "Material", MaterialUniform, [reflectance, emission]);
+        same_layout!(
+            SHADE,
+            "ShadeParams",
+            ShadeParams,
+            [width, height, pitch, detail, glow, unused_a, unused_b, unused_c, background]
+        );
+    }
+
+    #[test]
+    fn the_shaders_clamp_reflectance_where_the_surfaces_do() {
+        assert!(SURFACE.contains(&format!("const MAX_REFLECTANCE = {};", scene::MAX_REFLECTANCE)));
+    }
+
+    #[test]
+    fn grids_cover_all_groups_within_the_limit() {
+        for (groups, limit) in [(1, 65535), (65535, 65535), (65536, 65535), (1_000_000, 65535), (7, 3)] {
+            let (x, y) = grid(groups, limit);
+            let (x, y) = (u64::from(x), u64::from(y));
+            assert!(x <= limit && x * y >= groups && x * y < groups + y, "{groups} groups: {x} x {y}");
+        }
+    }
+}
