@@ -108,3 +108,47 @@ fn hex(bytes: &[u8]) -> String {
     }
     bytes.iter().map(|b| format!("{b:02X}")).collect::<Vec<_>>().join(" ")
 }
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use super::*;
+
+    /// Field, offset and bytes of each row of a table in the specification.
+    fn listed(from: &str, to: &str) -> Vec<(String, usize, usize)> {
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../formats/rad.md");
+        let text = std::fs::read_to_string(path).expect("the specification is there");
+        let lines = text.lines().skip_while(|l| !l.starts_with(from)).take_while(|l| !l.starts_with(to));
+        let rows =
+            lines.filter(|l| l.starts_with('|')).map(|l| l.trim_matches('|').split('|').map(str::trim).collect());
+        rows.filter(|r: &Vec<&str>| r.len() == 4 && r[0] != "field" && !r[0].starts_with('-'))
+            .map(|r| {
+                let (bits, count) = r[2].split_once(" × ").unwrap_or((r[2], "1"));
+                let bytes = bits[1..].parse::<usize>().expect("u8 to u64") / 8;
+                (r[0].to_string(), r[1].parse().expect("an offset"), bytes * count.parse::<usize>().expect("a count"))
+            })
+            .collect()
+    }
+
+    macro_rules! fields {
+        ($type:ident: $($field:ident),*) => {{
+            let value = $type::zeroed();
+            vec![$((stringify!($field).to_string(), offset_of!($type, $field), size_of_val(&value.$field))),*]
+        }};
+    }
+
+    #[test]
+    fn specification_and_code_have_the_same_header() {
+        let fields = fields!(Header: identifier, major, minor, section_count, table_offset, file_length, table_crc,
+            header_crc, reserved);
+        assert_eq!(listed("## 2", "## 3"), fields);
+        assert_eq!(HEADER_LENGTH, 64);
+    }
+
+    #[test]
+    fn specification_and_code_have_the_same_table_entry() {
+        assert_eq!(listed("## 3", "## 4"), fields!(Entry: name, element, flags, crc, rank, offset, length, shape));
+        assert_eq!(ENTRY_LENGTH, 96);
+    }
+}

@@ -9,6 +9,29 @@
 //! ([`Mesh`], [`Materials`], [`Patches`], [`FormFactors`], [`Operator`],
 //! [`Permutation`], [`PackedOperator`], [`Transfer`]) for what the sections mean.
 //! The byte layout is specified in `formats/rad.md`.
+//!
+//! # Example
+//!
+//! A stage reads what it needs, hands the rest through and adds its own:
+//!
+//! ```
+//! use radfile::{Builder, Permutation, Record, Step};
+//!
+//! let mut builder = Builder::new();
+//! builder.array("x-lamp", 0, &[3], vec![17.0f32, 12.0, 4.0]);
+//! let input = builder.finish()?;
+//!
+//! let order = Permutation::new(vec![2, 0, 1])?;
+//! let mut builder = Builder::from_input(&input, |_| true);
+//! order.write(&mut builder);
+//! let step = Step { stage: "permute".into(), version: "1".into(), options: String::new(), inputs: vec![] };
+//! builder.provenance(Some(&input), step)?;
+//!
+//! let output = builder.finish()?; // or builder.write_file(path)?
+//! assert_eq!(Permutation::read(&output)?, order);
+//! assert_eq!(output.array::<f32>("x-lamp", 1)?.0, [17.0, 12.0, 4.0]);
+//! # Ok::<(), radfile::Error>(())
+//! ```
 
 #[cfg(target_endian = "big")]
 compile_error!("a .rad file is little-endian and is mapped without conversion; big-endian hosts are not supported");

@@ -47,8 +47,9 @@ impl<'a> Record<'a> for Operator<'a> {
         let (channels, n) = (shape[0] as usize, shape[1] as usize);
         check_patch_count(c, "operator", n)?;
         if let Some(at) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
-            let (i, j) = (at / n % n, at % n);
-            return Err(Error::invariant("operator", format!("K[{i}, {j}] is {}, expected K ≥ 0", values[at])));
+            let (channel, i, j) = (at / (n * n), at / n % n, at % n);
+            let what = format!("K[{i}, {j}] of channel {channel} is {}, expected K ≥ 0", values[at]);
+            return Err(Error::invariant("operator", what));
         }
         Ok(Operator { n, channels, bounces: meta.bounces, values: values.into() })
     }

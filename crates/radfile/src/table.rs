@@ -99,8 +99,7 @@ fn read_entry(entry: &Entry) -> Result<Section> {
         )));
     }
     let shape = entry.shape[..rank].to_vec();
-    let need = shape.iter().try_fold(element.size(), |bytes, &extent| bytes.checked_mul(extent));
-    if need != Some(entry.length) {
+    if byte_length(element, &shape) != Some(entry.length) {
         return Err(rule(format!(
             "section {name}: {shape:?} elements of {} do not make the {} bytes that the table says",
             element.name(),
@@ -108,4 +107,12 @@ fn read_entry(entry: &Entry) -> Result<Section> {
         )));
     }
     Ok(Section { name, element, flags: entry.flags, shape, crc: entry.crc, offset: entry.offset, length: entry.length })
+}
+
+/// Bytes of an array, `None` beyond 64 bits. Extents of an empty array must multiply to something as well
+/// once its zeros are left out, so that arithmetic on shapes is safe in every reader.
+fn byte_length(element: ElementType, shape: &[u64]) -> Option<u64> {
+    let mut extents = shape.iter().filter(|&&extent| extent != 0);
+    let product = extents.try_fold(element.size(), |bytes, &extent| bytes.checked_mul(extent))?;
+    Some(if shape.contains(&0) { 0 } else { product })
 }

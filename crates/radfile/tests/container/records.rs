@@ -1,0 +1,92 @@
+//! Every record comes back as it was written, and the large ones stay views into the file.
+
+use std::borrow::Cow;
+
+use radfile::{
+    FormFactors, Materials, Mesh, Operator, PackedOperator, Patches, Permutation, Provenance, Record, Transfer,
+    read_sky,
+};
+
+use crate::{
+    assert_says,
+    fixture::{Extras, cube, every_feature, minimal, open, step},
+};
+
+#[test]
+fn every_record_comes_back_as_it_was_written() {
+    let cube = cube();
+    let c = open(&cube.builder());
+    assert_eq!(Mesh::read(&c).expect("legal"), cube.mesh);
+    assert_eq!(Materials::read(&c).expect("legal"), cube.materials);
+    assert_eq!(c.meta::<Extras>("scene.extras").expect("legal"), cube.extras);
+    assert_eq!(Patches::read(&c).expect("legal"), cube.patches);
+    assert_eq!(FormFactors::read(&c).expect("legal"), cube.factors);
+    assert_eq!(read_sky(&c).expect("legal"), &cube.factors.sky[..]);
+    assert_eq!(Operator::read(&c).expect("legal"), cube.operator);
+    assert_eq!(Permutation::read(&c).expect("legal"), cube.order);
+    assert_eq!(PackedOperator::read(&c).expect("legal"), cube.packed);
+    assert_eq!(Transfer::read(&c).expect("legal"), cube.transfer);
+    assert_eq!(Provenance::read(&c).expect("legal").steps, [step("voxel-simplify")]);
+}
+
+#[test]
+fn matrices_are_views_and_not_copies() {
+    let c = open(&cube().builder());
+    let factors = FormFactors::read(&c).expect("legal");
+    let operator = Operator::read(&c).expect("legal");
+    let packed = PackedOperator::read(&c).expect("legal");
+    assert!(matches!((&factors.values, &factors.sky), (Cow::Borrowed(_), Cow::Borrowed(_))));
+    assert!(matches!(&operator.values, Cow::Borrowed(_)));
+    assert!(matches!((&packed.blocks, &packed.outlier_value), (Cow::Borrowed(_), Cow::Borrowed(_))));
+    assert!(matches!((&packed.outlier_start, &packed.outlier_column), (Cow::Borrowed(_), Cow::Borrowed(_))));
+}
+
+#[test]
+fn a_mesh_without_texture_coordinates_has_no_sections_for_them() {
+    let mut cube = cube();
+    (cube.mesh.uv, cube.mesh.emission_uv) = (vec![], vec![]);
+    let c = open(&cube.builder());
+    assert!(!c.has("mesh.uv") && !c.has("mesh.emission_uv"));
+    assert_eq!(Mesh::read(&c).expect("legal"), cube.mesh);
+}
+
+#[test]
+fn a_missing_section_names_the_stage_that_writes_it() {
+    let c = open(&minimal());
+    assert_says(Patches::read(&c), &["section patches.area is missing; it is written by `allbounce voxel-simplify`"]);
+    assert_says(FormFactors::read(&c), &["section formfactor.sky is missing; it is written by `allbounce formfactor`"]);
+    assert_says(c.section("x-unheard"), &["section x-unheard is missing", "(no stage of this version)"]);
+}
+
+#[test]
+fn a_file_without_provenance_has_no_steps() {
+    assert_eq!(Provenance::read(&open(&radfile::Builder::new())).expect("legal"), Provenance::default());
+}
+
+#[test]
+fn provenance_grows_by_one_line_a_stage() {
+    let input = open(&minimal());
+    let mut builder = radfile::Builder::from_input(&input, |_| true);
+    builder.provenance(Some(&input), step("dxt-pack")).expect("readable");
+    let stages: Vec<String> =
+        Provenance::read(&open(&builder)).expect("legal").steps.into_iter().map(|s| s.stage).collect();
+    assert_eq!(stages, ["permute", "dxt-pack"]);
+}
+
+#[test]
+fn asking_for_another_type_or_shape_says_what_is_there() {
+    let c = open(&every_feature());
+    let said = "section x-rank.2 holds u32 [2, 3], expected f32 with 2 dimensions";
+    assert_says(c.array::<f32>("x-rank.2", 2), &[said]);
+    assert_says(c.array::<u32>("x-rank.2", 1), &["expected u32 with 1 dimension"]);
+    assert_says(c.array_of::<u32>("x-rank.2", &[None, Some(2)]), &["holds u32 [2, 3], expected u32 [any, 2]"]);
+    assert_says(c.meta::<String>("x-rank.2"), &["section x-rank.2 holds u32 [2, 3], expected metadata"]);
+    assert_says(c.array::<u8>("x-note", 1), &["section x-note holds meta [39], expected u8 with 1 dimension"]);
+}
+
+#[test]
+fn the_digest_is_blake3_in_hexadecimal() {
+    // First test vector of the BLAKE3 paper: no input.
+    let empty = "af1349b9f5f9a1a6a0404dea36dcc9499bcb25c9adc112b7cc9a93cae41f3262";
+    assert_eq!(radfile::digest(b""), empty);
+}
