@@ -18,6 +18,7 @@ mod sampling;
 mod scene;
 mod stored_extras;
 mod surfaces;
+mod texture;
 mod triangle_test;
 mod wide_bvh;
 
@@ -29,4 +30,4 @@ pub use patch_sampler::{PatchSampler, SurfacePoint};
 pub use rays::{Hit, NO_TRIANGLE, Rays};
 pub use sampling::{Sobol, basis, cosine_direction, hash, square_to_triangle};
 pub use scene::{Extras, Scene};
-pub use surfaces::Surfaces;
+pub use surfaces::{MAX_REFLECTANCE, Surfaces};
