@@ -1,20 +1,25 @@
 //! The operator as block-compressed textures plus a sparse list of outliers.
 //!
 //! A value of K goes through a map to a code in 0..1, codes are encoded as BC1 (three channels in
-//! one colour) or BC4 (one texture a channel) in tiles that fit any GPU's texture limit; values that
-//! are too large for the map are listed apart and are 0 in the texture. This file defines how bytes
-//! become values again, exactly and in f32; a GPU's sampler decodes the same blocks.
+//! one colour) or BC4 (one texture a channel) in tiles that fit any GPU's texture limit. Entries that
+//! are too large for the map are listed apart as *remainders*: what is still missing after the texel
+//! has been decoded. So a reader always decodes and adds, and an encoder may leave in the texel of an
+//! outlier whatever serves its neighbours best. This file defines how bytes become values again, in
+//! f32; a GPU's sampler decodes the same blocks.
 
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, Result, patches::check_offsets};
+use crate::{
+    Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, Result, patches::check_offsets,
+    record::check_patch_count,
+};
 
 /// Block format of the textures; both use 8 bytes for 4 × 4 texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum BlockFormat {
-    /// RGB in one texture, 5:6:5 endpoints, four-colour mode only.
+    /// RGB in one texture, 5:6:5 endpoints; four colours, or three and black where entries are exactly 0.
     Bc1,
     /// One unsigned channel, 8-bit endpoints; one texture a channel of the operator.
     Bc4,
@@ -139,13 +144,14 @@ impl Packing {
 pub struct PackedOperator<'a> {
     /// Its parameters.
     pub packing: Packing,
-    /// BC1 or BC4 blocks, see [`Packing::block_offset`]. Texel (x, y) of the matrix is column x, row y.
+    /// BC1 or BC4 blocks, see [`Packing::block_offset`]. Texel (x, y) of the matrix is column x, row y;
+    /// texels beyond `n` in either direction mean nothing.
     pub blocks: Cow<'a, [u8]>,
     /// `n` + 1 offsets into the outliers of each row.
     pub outlier_start: Cow<'a, [u32]>,
     /// Column (sender) of each outlier, increasing within a row.
     pub outlier_column: Cow<'a, [u32]>,
-    /// Its value in every channel, outliers × channels; the texture holds 0 there.
+    /// What is added to its decoded texel in every channel, outliers × channels; may be negative.
     pub outlier_value: Cow<'a, [f32]>,
 }
 
@@ -157,19 +163,14 @@ impl PackedOperator<'_> {
 
     /// Decodes the four texel rows `4 * block_row ..` of one channel to values of K, without outliers.
     ///
-    /// `out` is 4 × `width`, row-major, with `width` ≥ n; texels beyond n are left as they are.
+    /// `out` is 4 × `width`, row-major, with `width` ≥ n; columns beyond n are left as they are, rows
+    /// beyond n are written and mean nothing.
     pub fn decode_rows(&self, channel: usize, block_row: usize, width: usize, out: &mut [f32]) {
         let p = &self.packing;
         let n = p.n as usize;
         let channel = channel.min(p.channels as usize - 1);
-        let plane = if p.planes() == 1 { 0 } else { channel };
         for block_column in 0..n.div_ceil(4) {
-            let at = p.block_offset(plane, 4 * block_row, 4 * block_column);
-            let block: [u8; 8] = self.blocks[at..at + 8].try_into().expect("a block is 8 bytes");
-            let (palette, indices) = match p.format {
-                BlockFormat::Bc4 => bc4_palette(block),
-                BlockFormat::Bc1 => bc1_palette(block, channel),
-            };
+            let (palette, indices) = self.block(channel, 4 * block_row, 4 * block_column);
             let palette = palette.map(|u| p.map.decode(u, p.scale[channel]));
             for texel in 0..16 {
                 let column = 4 * block_column + texel % 4;
@@ -177,6 +178,29 @@ impl PackedOperator<'_> {
                     out[texel / 4 * width + column] = palette[indices[texel] as usize];
                 }
             }
+        }
+    }
+
+    /// One texel of one channel as a value of K, without outliers.
+    ///
+    /// # Panics
+    ///
+    /// If the texel lies outside the textures: a bug in the caller.
+    pub fn texel(&self, channel: usize, row: usize, column: usize) -> f32 {
+        let channel = channel.min(self.packing.channels as usize - 1);
+        let (palette, indices) = self.block(channel, row, column);
+        let u = palette[indices[row % 4 * 4 + column % 4] as usize];
+        self.packing.map.decode(u, self.packing.scale[channel])
+    }
+
+    /// Codes and indices of the block that holds a texel.
+    fn block(&self, channel: usize, row: usize, column: usize) -> ([f32; 8], [u8; 16]) {
+        let plane = if self.packing.planes() == 1 { 0 } else { channel };
+        let at = self.packing.block_offset(plane, row, column);
+        let block: [u8; 8] = self.blocks[at..at + 8].try_into().expect("a block is 8 bytes");
+        match self.packing.format {
+            BlockFormat::Bc4 => bc4_palette(block),
+            BlockFormat::Bc1 => bc1_palette(block, channel),
         }
     }
 
@@ -238,6 +262,7 @@ impl<'a> Record<'a> for PackedOperator<'a> {
     fn read(c: &'a Container) -> Result<PackedOperator<'a>> {
         let packing: Packing = c.meta("pack.meta")?;
         packing.check()?;
+        check_patch_count(c, "packed operator", packing.n as usize)?;
         let tiles = packing.tile_count();
         let start = c.array_of::<u32>("pack.outlier_start", &[Some(packing.n as usize + 1)])?;
         let column = c.array_of::<u32>("pack.outlier_column", &[None])?;
@@ -252,6 +277,11 @@ impl<'a> Record<'a> for PackedOperator<'a> {
         check_offsets("packed operator", "outlier_start", start, start.len() - 1, column.len())?;
         if let Some(e) = column.iter().position(|&j| j >= packed.packing.n) {
             return Err(Error::invariant("packed operator", format!("outlier {e} lies in column {}", column[e])));
+        }
+        let rows = start.windows(2).map(|w| &column[w[0] as usize..w[1] as usize]);
+        if let Some(row) = rows.into_iter().position(|columns| columns.windows(2).any(|w| w[0] >= w[1])) {
+            let what = format!("the columns of the outliers of row {row} do not increase");
+            return Err(Error::invariant("packed operator", what));
         }
         if let Some(e) = packed.outlier_value.iter().position(|v| !v.is_finite()) {
             return Err(Error::invariant("packed operator", format!("outlier value {e} is not finite")));

@@ -1,0 +1,66 @@
+//! What came out, in numbers for people.
+
+use radfile::{BlockFormat, PackedOperator, ValueMap};
+use serde::Serialize;
+
+use crate::Errors;
+
+/// Numbers about a packed operator.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// Number of patches.
+    pub patches: u32,
+    /// Channels of the operator.
+    pub channels: u32,
+    /// Block format.
+    pub format: BlockFormat,
+    /// Map from codes to values.
+    pub map: ValueMap,
+    /// Value of code 1, one a channel.
+    pub scale: [f32; 3],
+    /// Edge of a tile in texels.
+    pub tile: u32,
+    /// Tiles of all textures.
+    pub tiles: usize,
+    /// Entries kept apart.
+    pub outliers: usize,
+    /// Their share of the n² entries.
+    pub outlier_share: f64,
+    /// Bytes of the textures, padding of the tiles included.
+    pub texture_bytes: usize,
+    /// Bytes of the outliers with their index.
+    pub outlier_bytes: usize,
+    /// Bytes of both.
+    pub bytes: usize,
+    /// Bytes per entry of the n × n matrix, all channels together.
+    pub bytes_per_entry: f64,
+    /// How many times smaller than one dense f32 form-factor matrix, which classical radiosity keeps.
+    pub smaller_than_form_factors: f64,
+    /// Errors under probe lights, if they were measured.
+    pub errors: Option<Errors>,
+}
+
+impl Report {
+    pub(crate) fn new(packed: &PackedOperator, errors: Option<Errors>) -> Report {
+        let p = &packed.packing;
+        let entries = f64::from(p.n).powi(2);
+        let (bytes, texture_bytes) = (packed.size_in_bytes(), packed.blocks.len());
+        Report {
+            patches: p.n,
+            channels: p.channels,
+            format: p.format,
+            map: p.map,
+            scale: p.scale,
+            tile: p.tile,
+            tiles: p.tile_count(),
+            outliers: packed.outlier_column.len(),
+            outlier_share: packed.outlier_column.len() as f64 / entries,
+            texture_bytes,
+            outlier_bytes: bytes - texture_bytes,
+            bytes,
+            bytes_per_entry: bytes as f64 / entries,
+            smaller_than_form_factors: 4.0 * entries / bytes as f64,
+            errors,
+        }
+    }
+}
