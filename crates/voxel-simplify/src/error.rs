@@ -1,0 +1,84 @@
+//! Why a scene could not be simplified.
+
+/// What is wrong: found, expected, what next.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// No triangle at all.
+    #[error("the mesh has no triangles; patches need at least one")]
+    EmptyMesh,
+    /// A vertex that is no point.
+    #[error("vertex {vertex} lies at {position:?}, expected finite numbers; repair the scene file")]
+    NotFinite {
+        /// Number of the vertex.
+        vertex: usize,
+        /// What was found.
+        position: [f32; 3],
+    },
+    /// Only triangles without area.
+    #[error("none of the {triangles} triangles has an area; patches need at least one that has")]
+    NoArea {
+        /// Number of triangles.
+        triangles: usize,
+    },
+    /// The voxel size is no length.
+    #[error("voxel size {found} m, expected a positive finite length")]
+    VoxelSize {
+        /// What was found.
+        found: f32,
+    },
+    /// No patches were asked for.
+    #[error("0 patches were asked for, expected at least 1")]
+    NoPatchesWanted,
+    /// More cells along an axis than a cell number can hold.
+    #[error(
+        "voxels of {voxel} m cut the scene's {extent} m into {cells} cells along one axis, at most {} are possible; \
+         use voxels of at least {least} m, or remove far-away geometry",
+        crate::grid::MAX_LAYERS
+    )]
+    TooManyCells {
+        /// Edge of a voxel, metres.
+        voxel: f32,
+        /// Longest side of the scene's box, metres.
+        extent: f64,
+        /// Cells along it.
+        cells: f64,
+        /// Smallest voxel that would do.
+        least: f32,
+    },
+    /// More pieces than memory is meant for.
+    #[error(
+        "voxels of {voxel} m would cut the scene into about {pieces:.1e} pieces, {need} MiB, the limit is {limit} MiB; \
+         use voxels of about {least} m or more, or fewer patches"
+    )]
+    Memory {
+        /// Edge of a voxel, metres.
+        voxel: f32,
+        /// Estimated number of clipped pieces.
+        pieces: f64,
+        /// Estimated need, MiB.
+        need: u64,
+        /// Limit, MiB.
+        limit: u64,
+        /// A voxel that would do.
+        least: f32,
+    },
+    /// No patch sees another.
+    #[error(
+        "none of the {patches} patches sees any surface ({rays} rays each escaped): the scene is open on all sides, \
+         so there is no bounced light to compute; check that walls are there and face inwards, or keep all patches \
+         with 0 visibility rays"
+    )]
+    NothingSeen {
+        /// Patches before dropping.
+        patches: usize,
+        /// Rays a patch.
+        rays: u32,
+    },
+    /// A texture could not be used.
+    #[error(transparent)]
+    Scene(#[from] scene::Error),
+    /// The container could not be written.
+    #[error(transparent)]
+    Container(#[from] radfile::Error),
+}

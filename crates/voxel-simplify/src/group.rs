@@ -1,0 +1,195 @@
+//! The pieces of each cell gathered to sheets.
+//!
+//! A sheet grows from its largest piece over contacts to pieces that face within a cone of the
+//! sheet's mean normal. It has two sides, `+` and `−`; each piece is entered with whether its front
+//! belongs to `−`. Emissive and other surfaces are kept apart, or a lamp would spread over its
+//! frame.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::{
+    clip::{Clip, Clips, Edge},
+    contact::{Contact, contacts},
+    grid::Grid,
+    surface::Surface,
+};
+
+/// Cosine of 35°: pieces that face further away from the mean start a sheet of their own.
+const CONE: f64 = 0.819;
+/// Sheets smaller than this part of a cell's side look for a neighbour to join.
+pub const SMALL: f64 = 0.04;
+
+/// A connected part of the surface in one cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Sheet {
+    /// One side, m².
+    pub area: f64,
+    /// Sum of area times unit normal of the `+` side.
+    pub normal: DVec3,
+    /// Bounding box.
+    pub lower: DVec3,
+    pub upper: DVec3,
+    pub emits: bool,
+}
+
+/// Two sheets that touch, at least one of them small.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    pub a: u32,
+    pub b: u32,
+    /// `+` of one goes on in `−` of the other.
+    pub turned: bool,
+    /// Metres.
+    pub length: f64,
+}
+
+/// All sheets, in the order of cells.
+pub struct Sheets {
+    pub sheets: Vec<Sheet>,
+    /// For every piece, its sheet and whether its front belongs to `−`.
+    pub of_clip: Vec<(u32, bool)>,
+    pub touches: Vec<Touch>,
+    /// Occupied cells.
+    pub cells: usize,
+}
+
+/// What one cell yields, with numbers that count within the cell.
+struct Cell {
+    sheets: Vec<Sheet>,
+    of_piece: Vec<(u32, bool)>,
+    touches: Vec<Touch>,
+}
+
+/// Gathers the pieces of every cell.
+pub fn group(surface: &Surface, grid: &Grid, clips: &Clips) -> Sheets {
+    let mut order: Vec<u32> = (0..clips.clips.len() as u32).collect();
+    order.par_sort_unstable_by_key(|&c| (clips.clips[c as usize].cell, c));
+    let runs: Vec<&[u32]> =
+        order.chunk_by(|&a, &b| clips.clips[a as usize].cell == clips.clips[b as usize].cell).collect();
+    let small = SMALL * grid.size * grid.size;
+    let tolerance = (1e-5 * (surface.upper - surface.lower).length()).min(1e-3 * grid.size);
+    let cells: Vec<Cell> = runs
+        .par_iter()
+        .map(|run| {
+            let pieces: Vec<&Clip> = run.iter().map(|&c| &clips.clips[c as usize]).collect();
+            group_cell(surface, &pieces, tolerance, small)
+        })
+        .collect();
+    let mut all = Sheets { sheets: vec![], of_clip: vec![(0, false); order.len()], touches: vec![], cells: runs.len() };
+    for (run, cell) in runs.iter().zip(cells) {
+        let first = all.sheets.len() as u32;
+        for (&clip, (sheet, turned)) in run.iter().zip(cell.of_piece) {
+            all.of_clip[clip as usize] = (first + sheet, turned);
+        }
+        all.touches.extend(cell.touches.iter().map(|t| Touch { a: first + t.a, b: first + t.b, ..*t }));
+        all.sheets.extend(cell.sheets);
+    }
+    touch_across_planes(clips, &mut all, small);
+    all
+}
+
+fn group_cell(surface: &Surface, pieces: &[&Clip], tolerance: f64, small: f64) -> Cell {
+    let contacts = contacts(surface, pieces, tolerance);
+    let neighbours = neighbours(pieces.len(), &contacts);
+    let mut by_area: Vec<usize> = (0..pieces.len()).collect();
+    by_area.sort_by(|&a, &b| pieces[b].area.total_cmp(&pieces[a].area).then(a.cmp(&b)));
+    let mut of_piece: Vec<Option<(u32, bool)>> = vec![None; pieces.len()];
+    let mut sheets = Vec::new();
+    for seed in by_area {
+        if of_piece[seed].is_some() {
+            continue;
+        }
+        let number = sheets.len() as u32;
+        of_piece[seed] = Some((number, false));
+        let mut sheet = Sheet::of(surface, pieces[seed], false);
+        let mut frontier = std::collections::VecDeque::from([(seed, false)]);
+        while let Some((piece, turned)) = frontier.pop_front() {
+            for &(next, contact_turned) in &neighbours[piece] {
+                let next_turned = turned ^ contact_turned;
+                let candidate = Sheet::of(surface, pieces[next], next_turned);
+                if of_piece[next].is_none() && sheet.accepts(&candidate, CONE) {
+                    of_piece[next] = Some((number, next_turned));
+                    sheet.join(&candidate);
+                    frontier.push_back((next, next_turned));
+                }
+            }
+        }
+        sheets.push(sheet);
+    }
+    let of_piece: Vec<(u32, bool)> = of_piece.into_iter().flatten().collect();
+    let touches = contacts
+        .iter()
+        .filter_map(|c| touch(&sheets, small, of_piece[c.a as usize], of_piece[c.b as usize], c.turned, c.length));
+    Cell { touches: touches.collect(), sheets, of_piece }
+}
+
+/// For every piece, what it touches and whether turned.
+fn neighbours(count: usize, contacts: &[Contact]) -> Vec<Vec<(usize, bool)>> {
+    let mut neighbours = vec![Vec::new(); count];
+    for c in contacts {
+        neighbours[c.a as usize].push((c.b as usize, c.turned));
+        neighbours[c.b as usize].push((c.a as usize, c.turned));
+    }
+    neighbours
+}
+
+impl Sheet {
+    fn of(surface: &Surface, clip: &Clip, turned: bool) -> Sheet {
+        let normal = surface.normal[clip.triangle as usize] * clip.area;
+        let points = || clip.corners.iter().map(|c| c.point);
+        Sheet {
+            area: clip.area,
+            normal: if turned { -normal } else { normal },
+            lower: points().fold(DVec3::INFINITY, DVec3::min),
+            upper: points().fold(DVec3::NEG_INFINITY, DVec3::max),
+            emits: surface.emits[clip.triangle as usize],
+        }
+    }
+
+    /// Whether the other sheet's `+` faces within a cone of this one's and is of the same kind.
+    pub fn accepts(&self, other: &Sheet, cosine: f64) -> bool {
+        let cone = cosine * self.normal.length() * other.normal.length();
+        self.emits == other.emits && self.normal.dot(other.normal) >= cone
+    }
+
+    /// Adds the other sheet, `+` to `+`.
+    pub fn join(&mut self, other: &Sheet) {
+        self.area += other.area;
+        self.normal += other.normal;
+        self.lower = self.lower.min(other.lower);
+        self.upper = self.upper.max(other.upper);
+    }
+}
+
+/// A touch of two sheets by way of two of their pieces, if it can matter.
+fn touch(
+    sheets: &[Sheet],
+    small: f64,
+    (a, a_turned): (u32, bool),
+    (b, b_turned): (u32, bool),
+    turned: bool,
+    length: f64,
+) -> Option<Touch> {
+    let matters = a != b && (sheets[a as usize].area < small || sheets[b as usize].area < small);
+    matters.then_some(Touch { a, b, turned: a_turned ^ b_turned ^ turned, length })
+}
+
+/// Enters touches of pieces of one triangle on both sides of a plane between cells.
+fn touch_across_planes(clips: &Clips, all: &mut Sheets, small: f64) {
+    let mut touches = Vec::new();
+    for (clip, &here) in clips.clips.iter().zip(&all.of_clip) {
+        for (i, corner) in clip.corners.iter().enumerate() {
+            let Edge::Above(axis) = corner.edge else { continue };
+            let mut cell = clip.cell.cell();
+            cell[axis as usize] += 1;
+            let range = clips.of_triangle[clip.triangle as usize].clone();
+            let own = &clips.clips[range.start as usize..range.end as usize];
+            let Ok(at) = own.binary_search_by_key(&radfile::CellKey::new(cell), |c| c.cell) else { continue };
+            let there = all.of_clip[range.start as usize + at];
+            let length = corner.point.distance(clip.corners[(i + 1) % clip.corners.len()].point);
+            touches.extend(touch(&all.sheets, small, here, there, false, length));
+        }
+    }
+    all.touches.extend(touches);
+}
