@@ -1,1 +1,26 @@
-//! What the whole-pipeline tests share.
+//! What the whole-pipeline tests share: the program under test, reference points, and the
+//! generators of the bundled scenes.
+
+pub mod apartment;
+pub mod cornell;
+pub mod mesh_text;
+pub mod program;
+pub mod reference;
+
+use std::path::PathBuf;
+
+/// Root of the workspace.
+pub fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the workspace").to_owned()
+}
+
+/// Every bundled file that is generated: path below the root, contents.
+pub fn generated_assets() -> Vec<(&'static str, String)> {
+    let (cornell, apartment) = (cornell::scene(), apartment::scene());
+    vec![
+        ("assets/cornell/cornell.obj", cornell.obj("cornell.mtl")),
+        ("assets/cornell/cornell.mtl", cornell.mtl()),
+        ("assets/apartment/apartment.obj", apartment.obj("apartment.mtl")),
+        ("assets/apartment/apartment.mtl", apartment.mtl()),
+    ]
+}

@@ -1,1 +1,99 @@
-fn main() {}
+//! `allbounce`: every bounce of light, in one matrix multiply. One subcommand a file.
+//!
+//! Exit codes: 0 done, 1 input refused, 2 usage, 3 input or output failed.
+
+mod bake;
+mod csv_points;
+mod diff;
+mod dxt_pack;
+mod files;
+mod formfactor;
+mod gpu;
+mod inspect;
+mod memory;
+mod permute;
+mod pictures;
+mod progress;
+mod relight;
+mod render;
+mod report;
+mod runtime;
+mod series;
+mod session;
+mod stage;
+mod transfer;
+mod verify;
+mod voxel_simplify;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::session::{Session, SessionArgs};
+
+/// Multi-bounce global illumination: bake a room once, then move the lights freely.
+#[derive(Parser)]
+#[command(version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    session: SessionArgs,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Bake(bake::Args),
+    VoxelSimplify(voxel_simplify::Args),
+    Formfactor(stage::Args<formfactor::Options>),
+    Series(stage::Args<series::Options>),
+    Permute(stage::Args<permute::Options>),
+    DxtPack(dxt_pack::Args),
+    Transfer(stage::Args<transfer::Options>),
+    Relight(relight::Args),
+    Render(render::Args),
+    Inspect(inspect::Args),
+    Verify(verify::Args),
+    Diff(diff::Args),
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let outcome = Session::new(&cli.session).and_then(|session| run(&cli.command, &session));
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}", chain(&error));
+            ExitCode::from(if error.chain().any(|cause| cause.is::<std::io::Error>()) { 3 } else { 1 })
+        }
+    }
+}
+
+fn run(command: &Command, session: &Session) -> anyhow::Result<()> {
+    match command {
+        Command::Bake(args) => bake::run(args, session),
+        Command::VoxelSimplify(args) => voxel_simplify::run(args, session),
+        Command::Formfactor(args) => stage::run(args, session),
+        Command::Series(args) => stage::run(args, session),
+        Command::Permute(args) => stage::run(args, session),
+        Command::DxtPack(args) => dxt_pack::run(args, session),
+        Command::Transfer(args) => stage::run(args, session),
+        Command::Relight(args) => relight::run(args, session),
+        Command::Render(args) => render::run(args, session),
+        Command::Inspect(args) => inspect::run(args, session),
+        Command::Verify(args) => verify::run(args, session),
+        Command::Diff(args) => diff::run(args, session),
+    }
+}
+
+/// The causes of an error in one line; a cause that its parent already quotes is not repeated.
+fn chain(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain().map(ToString::to_string) {
+        if !text.contains(&cause) {
+            let separator = if text.is_empty() { "" } else { ": " };
+            text = format!("{text}{separator}{cause}");
+        }
+    }
+    text
+}

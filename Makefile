@@ -1,0 +1,116 @@
+# Allbounce. `make demo` shows it, `make test` checks it, `make bake SCENE=room.glb` bakes a scene stage by stage.
+#
+# Options of a stage go into a variable of its name:
+#   make bake SCENE=room.glb VOXEL_SIMPLIFY="--patches 3000" FORMFACTOR="--rays 1024"
+# Each stage leaves one .rad file and its report in $(BAKE_DIR). Touching one reruns what depends on it,
+# and so does another value of its variable.
+
+SHELL := bash
+.SHELLFLAGS := -euo pipefail -c
+.DELETE_ON_ERROR:
+# Software Vulkan drivers want a private folder for their scratch files.
+export XDG_RUNTIME_DIR ?= /tmp
+.PHONY: help setup build demo test bake clean FORCE
+
+ALLBOUNCE := target/release/allbounce
+
+help:
+	@sed -n 's/^# //p' Makefile | head -7
+
+setup:
+	@./setup.sh
+
+build: setup
+	cargo build --release -p allbounce
+
+$(ALLBOUNCE): | build ;
+
+# ---- one scene, stage by stage ----
+
+SCENE ?=
+NAME := $(basename $(notdir $(SCENE)))
+BAKE_DIR ?= out/$(NAME)
+VOXEL_SIMPLIFY ?=
+FORMFACTOR ?=
+SERIES ?=
+PERMUTE ?=
+DXT_PACK ?=
+TRANSFER ?=
+
+# Prints one stage and runs it: $(call stage,name,input,options)
+stage = $(ALLBOUNCE) $(1) $(2) -o $@ $(3) --report $(@:.rad=.json)
+
+# A file that changes only when the options of a stage do: $(call remember,options)
+remember = @mkdir -p $(@D); echo '$(1)' | cmp -s - $@ || echo '$(1)' > $@
+
+ifneq ($(SCENE),)
+bake: $(BAKE_DIR)/6-transfer.rad
+
+$(BAKE_DIR)/1-voxel-simplify.rad: $(SCENE) $(BAKE_DIR)/.voxel-simplify | build
+	$(call stage,voxel-simplify,$(SCENE),$(VOXEL_SIMPLIFY))
+$(BAKE_DIR)/2-formfactor.rad: $(BAKE_DIR)/1-voxel-simplify.rad $(BAKE_DIR)/.formfactor | build
+	$(call stage,formfactor,$<,$(FORMFACTOR))
+$(BAKE_DIR)/3-series.rad: $(BAKE_DIR)/2-formfactor.rad $(BAKE_DIR)/.series | build
+	$(call stage,series,$<,$(SERIES))
+$(BAKE_DIR)/4-permute.rad: $(BAKE_DIR)/3-series.rad $(BAKE_DIR)/.permute | build
+	$(call stage,permute,$<,$(PERMUTE))
+$(BAKE_DIR)/5-dxt-pack.rad: $(BAKE_DIR)/4-permute.rad $(BAKE_DIR)/.dxt-pack | build
+	$(call stage,dxt-pack,$<,$(DXT_PACK))
+$(BAKE_DIR)/6-transfer.rad: $(BAKE_DIR)/5-dxt-pack.rad $(BAKE_DIR)/.transfer | build
+	$(call stage,transfer,$<,$(TRANSFER))
+
+$(BAKE_DIR)/.voxel-simplify: FORCE
+	$(call remember,$(VOXEL_SIMPLIFY))
+$(BAKE_DIR)/.formfactor: FORCE
+	$(call remember,$(FORMFACTOR))
+$(BAKE_DIR)/.series: FORCE
+	$(call remember,$(SERIES))
+$(BAKE_DIR)/.permute: FORCE
+	$(call remember,$(PERMUTE))
+$(BAKE_DIR)/.dxt-pack: FORCE
+	$(call remember,$(DXT_PACK))
+$(BAKE_DIR)/.transfer: FORCE
+	$(call remember,$(TRANSFER))
+else
+bake:
+	@echo 'which scene? make bake SCENE=path/to/room.glb [VOXEL_SIMPLIFY="--patches 3000"] …' >&2; exit 2
+endif
+
+# ---- the bundled rooms: bake, verify, relight, picture ----
+
+CORNELL := out/cornell/6-transfer.rad
+APARTMENT := out/apartment/6-transfer.rad
+PICTURES := cornell-lamp cornell-lamp-indirect cornell-point cornell-spots cornell-spots-gpu \
+    living-day living-evening hall-panel hall-panel-indirect hall-panel-gpu
+
+demo: build
+	$(MAKE) --no-print-directory bake SCENE=assets/cornell/cornell.obj VOXEL_SIMPLIFY="--patches 2500"
+	$(MAKE) --no-print-directory bake SCENE=assets/apartment/apartment.obj VOXEL_SIMPLIFY="--patches 4000"
+	$(ALLBOUNCE) verify $(CORNELL)
+	$(ALLBOUNCE) verify $(APARTMENT)
+	$(MAKE) --no-print-directory $(PICTURES:%=out/%.png)
+	$(ALLBOUNCE) relight $(CORNELL) --lights assets/cornell/lamp.json -o out/cornell-lamp.csv
+	@echo 'look at out/*.png; numbers are in out/*/*.json and out/*.csv; `$(ALLBOUNCE) inspect $(CORNELL)` tells how a bake was made'
+
+out/cornell-%.png: $(CORNELL)
+	$(ALLBOUNCE) render $< --camera assets/cornell/camera.json $(call look,cornell,$*) -o $@
+out/living-%.png: $(APARTMENT)
+	$(ALLBOUNCE) render $< --camera assets/apartment/living.camera.json $(call look,apartment,$*) -o $@
+out/hall-%.png: $(APARTMENT)
+	$(ALLBOUNCE) render $< --camera assets/apartment/hall.camera.json $(call look,apartment,$(subst panel,hall,$*)) -o $@
+
+# Lights and options of a picture's name: lamp-indirect is lamp.json with --indirect-only; -gpu takes the GPU.
+look = --lights assets/$(1)/$(firstword $(subst -, ,$(2))).json \
+    $(if $(findstring -indirect,$(2)),--indirect-only) $(if $(findstring -gpu,$(2)),--backend gpu)
+
+# ---- every check ----
+
+test: setup
+	cargo fmt --all --check
+	cargo test --release --workspace
+	cargo build --release -p allbounce --no-default-features --target-dir target/no-gpu
+	cargo clippy --release --workspace --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps
+
+clean:
+	rm -rf out target

@@ -1,0 +1,95 @@
+//! `allbounce bake`: all stages in one process, from a scene file to one self-contained file.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use radfile::{Builder, Container, Sink};
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::{
+    dxt_pack, formfactor, permute, series,
+    session::Session,
+    stage::{self, Stage},
+    transfer, voxel_simplify,
+};
+
+/// Bake a scene: patches, form factors, all bounces, order, packing, transfer.
+///
+/// The file holds everything that relight and render need. Exit: 0 done, 1 input refused, 2 usage, 3 I/O.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Scene: .obj (with .mtl), .gltf or .glb; metres
+    scene: PathBuf,
+    /// Container to write
+    #[arg(short, long, value_name = "BAKE.rad")]
+    output: PathBuf,
+    #[command(flatten)]
+    voxel_simplify: voxel_simplify::Options,
+    #[command(flatten)]
+    formfactor: formfactor::Options,
+    #[command(flatten)]
+    series: series::Options,
+    #[command(flatten)]
+    permute: permute::Options,
+    #[command(flatten)]
+    dxt_pack: dxt_pack::Options,
+    #[command(flatten)]
+    transfer: transfer::Options,
+}
+
+#[derive(Serialize)]
+struct Report {
+    seconds: f64,
+    bytes: u64,
+    stages: Vec<Value>,
+}
+
+pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
+    let mut stages = Vec::new();
+    let mut current = None;
+    let report = voxel_simplify::apply(&args.scene, &args.voxel_simplify, session, &mut keep(&mut current))?;
+    stages.push(serde_json::to_value(report)?);
+    link(&args.formfactor, &mut current, &mut stages, session)?;
+    link(&args.series, &mut current, &mut stages, session)?;
+    link(&args.permute, &mut current, &mut stages, session)?;
+    link(&args.dxt_pack, &mut current, &mut stages, session)?;
+
+    let packed = taken(&mut current)?;
+    let report = stage::apply(&args.transfer, &packed, session, &mut |b| b.write_file(&args.output))?;
+    stages.push(serde_json::to_value(report)?);
+    let bytes = std::fs::metadata(&args.output).with_context(|| args.output.display().to_string())?.len();
+    session.say(&format!(
+        "baked {} in {:.1} s, {}",
+        args.output.display(),
+        session.seconds(),
+        crate::memory::size(bytes)
+    ));
+    session.finish(&Report { seconds: session.seconds(), bytes, stages })
+}
+
+/// A sink that keeps the container in memory for the next stage.
+fn keep(slot: &mut Option<Container>) -> impl FnMut(&Builder<'_>) -> radfile::Result<()> {
+    move |builder| {
+        *slot = Some(builder.finish()?);
+        Ok(())
+    }
+}
+
+fn taken(slot: &mut Option<Container>) -> anyhow::Result<Container> {
+    slot.take().context("a stage ended without handing on its container")
+}
+
+/// Runs one stage from memory to memory.
+fn link<S: Stage>(
+    stage: &S,
+    current: &mut Option<Container>,
+    stages: &mut Vec<Value>,
+    session: &Session,
+) -> anyhow::Result<()> {
+    let input = taken(current)?;
+    let mut next = keep(current);
+    let sink: &mut Sink = &mut next;
+    stages.push(serde_json::to_value(stage::apply(stage, &input, session, sink)?)?);
+    Ok(())
+}

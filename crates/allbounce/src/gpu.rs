@@ -1,0 +1,78 @@
+//! The GPU backend of `relight` and `render`; without the `gpu` feature it says so.
+
+use radfile::Rows;
+use relight::{Image, Parts, PointLight};
+use scene::{Camera, LightRig, SurfacePoint};
+
+use crate::runtime::Bake;
+
+/// Irradiance at points by way of the GPU, and the adapter that computed it.
+///
+/// With `bounces` the packed operator would not be asked, so the GPU has no part in it.
+#[cfg(feature = "gpu")]
+pub fn relight(
+    bounces: Option<u32>,
+    bake: &Bake,
+    rig: &LightRig,
+    points: &[SurfacePoint],
+    rows: &Rows,
+) -> anyhow::Result<(PointLight, String)> {
+    if bounces.is_some() {
+        anyhow::bail!("--bounces is computed from form factors on the CPU; use --backend cpu");
+    }
+    let runtime = runtime(bake)?;
+    let position: Vec<[f32; 3]> = points.iter().map(|p| p.position.to_array()).collect();
+    let normal: Vec<[f32; 3]> = points.iter().map(|p| p.normal.to_array()).collect();
+    let light = runtime.relight_points(rig, &position, &normal, rows)?;
+    Ok((PointLight { direct: light.direct, indirect: light.indirect }, runtime.report().adapter.clone()))
+}
+
+/// A picture by way of the GPU, and the adapter that computed it.
+#[cfg(feature = "gpu")]
+pub fn render(
+    bake: &Bake,
+    rig: &LightRig,
+    camera: &Camera,
+    width: usize,
+    height: usize,
+    parts: Parts,
+) -> anyhow::Result<(Image, String)> {
+    let runtime = runtime(bake)?;
+    let parts = gpu_runtime::Parts { direct: parts != Parts::IndirectOnly, indirect: parts != Parts::DirectOnly };
+    let pixels = runtime.render(rig, camera, width as u32, height as u32, parts)?;
+    Ok((Image { width, height, pixels }, runtime.report().adapter.clone()))
+}
+
+#[cfg(feature = "gpu")]
+fn runtime(bake: &Bake) -> anyhow::Result<gpu_runtime::GpuRuntime> {
+    let gpu = gpu_runtime::Gpu::new()?;
+    let (packed, params) = (bake.packed()?, gpu_runtime::Params::default());
+    let (scene, patches) = (&bake.scene, &bake.patches);
+    Ok(gpu_runtime::GpuRuntime::new(&gpu, scene, patches, &packed, bake.sky()?, &bake.transfer, &params)?)
+}
+
+#[cfg(not(feature = "gpu"))]
+const ABSENT: &str = "this program was built without the gpu feature; use --backend cpu";
+
+#[cfg(not(feature = "gpu"))]
+pub fn relight(
+    _bounces: Option<u32>,
+    _bake: &Bake,
+    _rig: &LightRig,
+    _points: &[SurfacePoint],
+    _rows: &Rows,
+) -> anyhow::Result<(PointLight, String)> {
+    anyhow::bail!(ABSENT)
+}
+
+#[cfg(not(feature = "gpu"))]
+pub fn render(
+    _bake: &Bake,
+    _rig: &LightRig,
+    _camera: &Camera,
+    _width: usize,
+    _height: usize,
+    _parts: Parts,
+) -> anyhow::Result<(Image, String)> {
+    anyhow::bail!(ABSENT)
+}

@@ -1,0 +1,120 @@
+//! `allbounce inspect`: what a container holds and how it came to be.
+
+use std::path::PathBuf;
+
+use radfile::{Container, Mesh, PackedOperator, Patches, Provenance, Record, Section, Transfer};
+use serde::Serialize;
+
+use crate::{files, memory, session::Session};
+
+/// Tell what a container holds and how it came to be.
+///
+/// Prints to standard output. Exit: 0 done, 1 input refused, 2 usage, 3 I/O.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Container
+    file: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Report {
+    version: String,
+    bytes: u64,
+    sections: Vec<Row>,
+    contents: Vec<String>,
+    provenance: Provenance,
+}
+
+#[derive(Serialize)]
+struct Row {
+    name: String,
+    holds: String,
+    bytes: u64,
+}
+
+pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
+    let container = files::open(&args.file)?;
+    let (major, minor) = container.version();
+    let row = |s: &Section| Row { name: s.name.clone(), holds: s.describe(), bytes: s.length };
+    let report = Report {
+        version: format!("{major}.{minor}"),
+        bytes: container.as_bytes().len() as u64,
+        sections: container.sections().iter().map(row).collect(),
+        contents: contents(&container)?,
+        provenance: Provenance::read(&container)?,
+    };
+    print(&report);
+    session.finish(&report)
+}
+
+fn print(report: &Report) {
+    let count = report.sections.len();
+    println!("container {}, {count} sections, {}, all checks passed", report.version, memory::size(report.bytes));
+    for row in &report.sections {
+        println!("  {:<26} {:<22} {:>12}", row.name, row.holds, memory::size(row.bytes));
+    }
+    for line in &report.contents {
+        println!("{line}");
+    }
+    for (number, step) in report.provenance.steps.iter().enumerate() {
+        let inputs: Vec<String> = step.inputs.iter().map(|(name, digest)| format!("{name} {:.12}…", digest)).collect();
+        println!(
+            "made by {}: allbounce {} {} {}  ({})",
+            number + 1,
+            step.version,
+            step.stage,
+            step.options,
+            inputs.join(", ")
+        );
+    }
+}
+
+/// One line a record.
+fn contents(c: &Container) -> anyhow::Result<Vec<String>> {
+    let mut lines = Vec::new();
+    if c.has("mesh.meta") {
+        let mesh = Mesh::read(c)?;
+        let sides = if mesh.one_sided { "one-sided" } else { "two-sided" };
+        lines.push(format!("mesh: {} triangles, {sides}, local origin {:?} m", mesh.triangles.len(), mesh.origin));
+    }
+    if c.has("patches.area") {
+        lines.push(patches(&Patches::read(c)?));
+    }
+    if c.has("pack.meta") {
+        let packed = PackedOperator::read(c)?;
+        let p = &packed.packing;
+        let bytes = packed.size_in_bytes();
+        let per_element = bytes as f64 / f64::from(p.n).powi(2);
+        lines.push(format!(
+            "packed operator: {} × {0}, {} channel(s), {:?} {:?}, {} outliers, {} ({per_element:.3} bytes per n²)",
+            p.n,
+            p.channels,
+            p.format,
+            p.map,
+            packed.outlier_column.len(),
+            memory::size(bytes as u64)
+        ));
+    }
+    if c.has("transfer.row_start") {
+        let t = Transfer::read(c)?;
+        lines.push(format!(
+            "transfer: {} receivers, {} fine triangles, {} weights",
+            t.position.len(),
+            t.fine.triangle.len(),
+            t.rows.patch.len()
+        ));
+    }
+    Ok(lines)
+}
+
+fn patches(p: &Patches) -> String {
+    let area: f64 = p.area.iter().map(|&a| f64::from(a)).sum();
+    let brightest = p.reflectance.as_flattened().iter().fold(0.0f32, |m, &r| m.max(r));
+    let flux: f64 = p.emission.iter().zip(&p.area).map(|(e, &a)| f64::from(e.iter().sum::<f32>() / 3.0 * a)).sum();
+    format!(
+        "patches: {}, {area:.4} m², {} pieces, cells of {:.4} m, largest reflectance {brightest:.3}, emitted flux {flux:.4} W (mean of channels)",
+        p.len(),
+        p.pieces.len(),
+        p.locator.cell_size
+    )
+}

@@ -1,0 +1,140 @@
+//! `allbounce relight`: a bake and lights in, irradiance at points or vertices out.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, bail};
+use radfile::{FormFactors, Record, Rows};
+use relight::{DirectLight, Frame, PatchSamples, PointLight, Relighter, Samples};
+use scene::{LightRig, Rays, SurfacePoint};
+use serde::Serialize;
+
+use crate::{
+    csv_points::Points,
+    runtime::{Backend, Bake, LightOptions},
+    session::Session,
+};
+
+/// Irradiance of one frame, W/m²: direct light and all further bounces.
+///
+/// Writes px,py,pz,nx,ny,nz and direct_r,g,b, indirect_r,g,b: incident irradiance, not multiplied by
+/// reflectance nor divided by π. Exit: 0 done, 1 input refused, 2 usage, 3 I/O.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Bake of `allbounce bake`, or the last container of the chain
+    #[arg(value_name = "BAKE.rad")]
+    bake: PathBuf,
+    #[command(flatten)]
+    light: LightOptions,
+    /// Points with px,py,pz,nx,ny,nz in the scene file's axes, metres [default: the mesh's vertices]
+    #[arg(long, value_name = "P.csv")]
+    points: Option<PathBuf>,
+    /// Where the answers go
+    #[arg(short, long, value_name = "E.csv")]
+    output: PathBuf,
+    /// Exactly the first k bounces; the bake must keep its form factors (--keep-dense)
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    bounces: Option<u32>,
+}
+
+#[derive(Serialize)]
+struct Report {
+    backend: String,
+    points: usize,
+    points_without_patches: usize,
+    mean_direct: [f64; 3],
+    mean_indirect: [f64; 3],
+    seconds: f64,
+}
+
+pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
+    let bake = Bake::open(&args.bake)?;
+    let rig = args.light.rig(&bake.scene)?;
+    let named = || args.bake.display().to_string();
+    if args.bounces.is_some() && !bake.container.has("formfactor.values") {
+        bail!(
+            "{}: --bounces needs the form factors, which this bake has dropped; bake with --keep-dense, \
+             or bake the operator itself with --bounces",
+            named()
+        );
+    }
+    let rays = Rays::new(&bake.scene.mesh);
+    let (points, surface, rows) = receivers(args, &bake, &rays, session)?;
+    let (mut light, backend) = match args.light.backend {
+        Backend::Cpu => (on_cpu(args, &bake, &rig, &rays, &surface, &rows, session).with_context(named)?, "cpu".into()),
+        Backend::Gpu => crate::gpu::relight(args.bounces, &bake, &rig, &surface, &rows).with_context(named)?,
+    };
+    args.light.blank(&mut light.direct, &mut light.indirect);
+    points.write(&args.output, &light.direct, &light.indirect)?;
+    let report = Report {
+        backend,
+        points: rows.len(),
+        points_without_patches: (0..rows.len()).filter(|&r| rows.row(r).next().is_none()).count(),
+        mean_direct: mean(&light.direct),
+        mean_indirect: mean(&light.indirect),
+        seconds: session.seconds(),
+    };
+    session.print("relight", &report)?;
+    session.finish(&report)
+}
+
+/// The points to evaluate, as the file has them and on the surface, and their rows over the patches.
+fn receivers(
+    args: &Args,
+    bake: &Bake,
+    rays: &Rays,
+    session: &Session,
+) -> anyhow::Result<(Points, Vec<SurfacePoint>, Rows)> {
+    let mesh = &bake.scene.mesh;
+    if let Some(path) = &args.points {
+        let points = Points::read(path)?;
+        let surface = relight::surface_points(mesh, &points.position, &points.normal);
+        let params = transfer::Params::default();
+        let rows = transfer::rows_for_points(&bake.patches, rays, &surface, &params, &session.progress());
+        return Ok((points, surface, rows));
+    }
+    let t = &bake.transfer;
+    let in_file_axes = |p: &[f32; 3]| std::array::from_fn(|a| f64::from(p[a]) + mesh.origin[a]);
+    let points = Points::new(t.position.iter().map(in_file_axes).collect(), t.normal.clone());
+    let surface = relight::surface_points(mesh, &points.position, &points.normal);
+    Ok((points, surface, t.rows.clone()))
+}
+
+fn on_cpu(
+    args: &Args,
+    bake: &Bake,
+    rig: &LightRig,
+    rays: &Rays,
+    points: &[SurfacePoint],
+    rows: &Rows,
+    session: &Session,
+) -> anyhow::Result<PointLight> {
+    let packed = bake.packed()?;
+    let relighter = Relighter::new(&bake.scene, rays, &bake.patches, &packed, bake.sky()?)?;
+    let light = relighter.direct_light(rig);
+    let frame = frame(args.bounces, bake, &relighter, &light, session)?;
+    let progress = session.progress();
+    Ok(relight::light_at_points(&light, points, rows, &frame.indirect, &Samples::default(), &progress))
+}
+
+/// Light of the patches, all bounces or the first `bounces`.
+fn frame(
+    bounces: Option<u32>,
+    bake: &Bake,
+    relighter: &Relighter,
+    light: &DirectLight,
+    session: &Session,
+) -> anyhow::Result<Frame> {
+    let (samples, progress) = (PatchSamples::default(), session.progress());
+    Ok(match bounces {
+        None => relighter.frame(light, &samples, &progress),
+        Some(count) => {
+            let factors = FormFactors::read(&bake.container)?;
+            relighter.frame_of_bounces(light, &factors, count, &samples, &progress)?
+        }
+    })
+}
+
+fn mean(values: &[[f32; 3]]) -> [f64; 3] {
+    let n = values.len().max(1) as f64;
+    std::array::from_fn(|c| values.iter().map(|v| f64::from(v[c])).sum::<f64>() / n)
+}

@@ -1,0 +1,111 @@
+//! `allbounce render`: a bake, lights and a camera in, a picture out.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use relight::{Exposure, Image, Look, PatchSamples, Relighter, Shown};
+use scene::{Camera, LightRig, Rays};
+use serde::Serialize;
+
+use crate::{
+    pictures::{self, Kind},
+    runtime::{self, Backend, Bake, LightOptions},
+    session::Session,
+};
+
+/// A picture of one frame.
+///
+/// EXR holds linear radiance ρH/π + emission, W/(m² sr); PNG is sRGB with the exposure that the report
+/// states. Exit: 0 done, 1 input refused, 2 usage, 3 I/O.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Bake of `allbounce bake`, or the last container of the chain
+    #[arg(value_name = "BAKE.rad")]
+    bake: PathBuf,
+    #[command(flatten)]
+    light: LightOptions,
+    /// Camera, JSON; `scene` takes the first camera of the scene file
+    #[arg(long, value_name = "C.json")]
+    camera: PathBuf,
+    /// Picture, .png or .exr
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Pixels in a row
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=16384))]
+    width: u16,
+    /// Rows
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=16384))]
+    height: u16,
+    /// Primary rays a pixel (CPU)
+    #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    samples: u32,
+    /// Factor on radiance before a PNG is clipped to white [default: the 95th percentile becomes 0.8]
+    #[arg(long, value_name = "X")]
+    exposure: Option<f32>,
+}
+
+#[derive(Serialize)]
+struct Report {
+    backend: String,
+    width: usize,
+    height: usize,
+    mean_radiance: [f64; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exposure: Option<f32>,
+    seconds: f64,
+}
+
+pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
+    let kind = pictures::kind(&args.output)?;
+    let bake = Bake::open(&args.bake)?;
+    let rig = args.light.rig(&bake.scene)?;
+    let camera = runtime::camera(&args.camera, &bake.scene)?;
+    let (image, backend) = match args.light.backend {
+        Backend::Cpu => (on_cpu(args, &bake, &rig, &camera, session)?, "cpu".to_owned()),
+        Backend::Gpu => {
+            crate::gpu::render(&bake, &rig, &camera, args.width.into(), args.height.into(), args.light.parts())?
+        }
+    };
+    let exposure = match kind {
+        Kind::Exr => {
+            pictures::write_exr(&args.output, &image)?;
+            None
+        }
+        Kind::Png => {
+            let (bytes, exposure) = relight::tone_map(&image, args.exposure.map_or(Exposure::Auto, Exposure::Fixed));
+            pictures::write_png(&args.output, image.width, image.height, &bytes)?;
+            Some(exposure)
+        }
+    };
+    let pixels = image.pixels.len() as f64;
+    let mean = |c: usize| image.pixels.iter().map(|p| f64::from(p[c])).sum::<f64>() / pixels;
+    let report = Report {
+        backend,
+        width: image.width,
+        height: image.height,
+        mean_radiance: std::array::from_fn(mean),
+        exposure,
+        seconds: session.seconds(),
+    };
+    session.print("render", &report)?;
+    session.finish(&report)
+}
+
+fn on_cpu(args: &Args, bake: &Bake, rig: &LightRig, camera: &Camera, session: &Session) -> anyhow::Result<Image> {
+    let rays = Rays::new(&bake.scene.mesh);
+    let packed = bake.packed()?;
+    let named = || args.bake.display().to_string();
+    let relighter = Relighter::new(&bake.scene, &rays, &bake.patches, &packed, bake.sky()?).with_context(named)?;
+    let light = relighter.direct_light(rig);
+    let progress = session.progress();
+    let frame = relighter.frame(&light, &PatchSamples::default(), &progress);
+    let look = Look {
+        width: args.width.into(),
+        height: args.height.into(),
+        samples: args.samples,
+        parts: args.light.parts(),
+        ..Look::default()
+    };
+    let shown = Shown { bake: &relighter, transfer: &bake.transfer, light: &light, frame: &frame };
+    Ok(relight::render(&shown, camera, &look, &progress))
+}

@@ -1,0 +1,104 @@
+//! A bake opened for relighting: what `relight` and `render` share.
+
+use std::path::Path;
+
+use anyhow::Context;
+use radfile::{Container, PackedOperator, Patches, Record, Transfer};
+use relight::Parts;
+use scene::{Camera, LightRig, Scene};
+
+use crate::files;
+
+/// Everything of a bake but the operator, which stays in the container.
+pub struct Bake {
+    pub container: Container,
+    pub scene: Scene,
+    pub patches: Patches,
+    pub transfer: Transfer,
+}
+
+impl Bake {
+    /// Opens a self-contained bake.
+    pub fn open(path: &Path) -> anyhow::Result<Bake> {
+        let container = files::open(path)?;
+        let read = || -> anyhow::Result<(Scene, Patches, Transfer)> {
+            Ok((Scene::read(&container)?, Patches::read(&container)?, Transfer::read(&container)?))
+        };
+        let (scene, patches, transfer) = read().with_context(|| path.display().to_string())?;
+        Ok(Bake { container, scene, patches, transfer })
+    }
+
+    /// The packed operator.
+    pub fn packed(&self) -> anyhow::Result<PackedOperator<'_>> {
+        Ok(PackedOperator::read(&self.container)?)
+    }
+
+    /// What each patch sees of the sky.
+    pub fn sky(&self) -> anyhow::Result<&[f32]> {
+        Ok(radfile::read_sky(&self.container)?)
+    }
+}
+
+/// Which processor computes a frame.
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+pub enum Backend {
+    /// Ray-traced shadows, products on all cores
+    Cpu,
+    /// Shadow maps and textures through wgpu
+    Gpu,
+}
+
+/// Options that choose the light.
+#[derive(clap::Args)]
+pub struct LightOptions {
+    /// Lights of the frame, JSON; `scene` takes the lights of the scene file
+    #[arg(long, value_name = "L.json")]
+    lights: std::path::PathBuf,
+    /// Which processor computes the frame
+    #[arg(long, value_enum, default_value = "cpu")]
+    pub backend: Backend,
+    /// Only light without any bounce
+    #[arg(long, conflicts_with = "indirect_only")]
+    direct_only: bool,
+    /// Only light of one bounce and more
+    #[arg(long)]
+    indirect_only: bool,
+}
+
+impl LightOptions {
+    /// Which light is asked for.
+    pub fn parts(&self) -> Parts {
+        match (self.direct_only, self.indirect_only) {
+            (true, _) => Parts::DirectOnly,
+            (_, true) => Parts::IndirectOnly,
+            _ => Parts::All,
+        }
+    }
+
+    /// Sets the light that was not asked for to zero.
+    pub fn blank(&self, direct: &mut [[f32; 3]], indirect: &mut [[f32; 3]]) {
+        match self.parts() {
+            Parts::All => {}
+            Parts::DirectOnly => indirect.fill([0.0; 3]),
+            Parts::IndirectOnly => direct.fill([0.0; 3]),
+        }
+    }
+
+    /// Reads the lights file, or takes the scene's own lights.
+    pub fn rig(&self, scene: &Scene) -> anyhow::Result<LightRig> {
+        if self.lights.as_os_str() == "scene" {
+            let lights = scene.extras.lights.iter().map(|(_, light)| *light).collect();
+            return Ok(LightRig { use_scene_emission: true, lights, ..LightRig::default() });
+        }
+        LightRig::from_json(&files::text(&self.lights)?).with_context(|| self.lights.display().to_string())
+    }
+}
+
+/// Reads a camera file, or takes the scene's first camera for `scene`.
+pub fn camera(path: &Path, scene: &Scene) -> anyhow::Result<Camera> {
+    if path.as_os_str() == "scene" {
+        let first = scene.extras.cameras.first().context("--camera scene: the scene file has no camera")?;
+        return Ok(first.1);
+    }
+    Camera::from_json(&files::text(path)?).with_context(|| path.display().to_string())
+}

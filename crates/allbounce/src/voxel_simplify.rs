@@ -1,0 +1,122 @@
+//! `allbounce voxel-simplify`: a scene file in, patches out.
+
+use std::path::{Path, PathBuf};
+
+use radfile::Sink;
+use scene::{ImportOptions, ImportReport};
+use serde::Serialize;
+use voxel_simplify::{Mode, Params, Report, Resolution};
+
+use crate::{
+    files::DiskFolder,
+    session::Session,
+    stage::{self, StageReport},
+};
+
+/// Clip the scene's triangles to voxels and group them to patches.
+///
+/// Writes mesh, materials and patches. Exit: 0 done, 1 input refused, 2 usage, 3 I/O.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Scene: .obj (with .mtl), .gltf or .glb; metres
+    pub scene: PathBuf,
+    /// Container to write
+    #[arg(short, long, value_name = "OUT.rad")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub options: Options,
+}
+
+/// Options of this stage.
+#[derive(clap::Args)]
+pub struct Options {
+    /// Edge of a voxel, such as 0.25m
+    #[arg(long, value_name = "LENGTH", value_parser = metres, conflicts_with = "patches")]
+    voxel: Option<f32>,
+    /// Number of patches to aim at; finds the voxel size [default: 2500]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    patches: Option<u32>,
+    /// clusters of real triangles, or the paper's axis-aligned voxel faces
+    #[arg(long, value_enum, default_value = "clusters")]
+    mode: ModeName,
+    /// Back sides neither reflect nor receive
+    #[arg(long)]
+    one_sided: bool,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum ModeName {
+    Clusters,
+    Faces,
+}
+
+/// A length with or without the unit `m`, `cm` or `mm`.
+fn metres(text: &str) -> Result<f32, String> {
+    let (number, factor) = [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)]
+        .into_iter()
+        .find_map(|(unit, factor)| text.strip_suffix(unit).map(|number| (number, factor)))
+        .unwrap_or((text, 1.0));
+    match number.trim().parse::<f32>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value * factor),
+        _ => Err("expected a positive length such as 0.25m".into()),
+    }
+}
+
+impl Options {
+    fn params(&self) -> Params {
+        let resolution = match (self.voxel, self.patches) {
+            (Some(edge), _) => Resolution::Voxel(edge),
+            (None, patches) => Resolution::Patches(patches.unwrap_or(2500)),
+        };
+        let mode = match self.mode {
+            ModeName::Clusters => Mode::Clusters,
+            ModeName::Faces => Mode::Faces,
+        };
+        Params { resolution, mode, ..Params::default() }
+    }
+
+    fn text(&self) -> String {
+        let size = match self.params().resolution {
+            Resolution::Voxel(edge) => format!("--voxel {edge}m"),
+            Resolution::Patches(n) => format!("--patches {n}"),
+        };
+        let mode = if matches!(self.mode, ModeName::Faces) { " --mode faces" } else { "" };
+        format!("{size}{mode}{}", if self.one_sided { " --one-sided" } else { "" })
+    }
+}
+
+/// What the stage reports.
+#[derive(Serialize)]
+pub struct Numbers {
+    scene: ImportReport,
+    #[serde(flatten)]
+    patches: Report,
+}
+
+pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
+    let report = apply(&args.scene, &args.options, session, &mut |b| b.write_file(&args.output))?;
+    session.finish(&report)
+}
+
+/// Imports a scene, makes patches and hands the container to `sink`.
+pub fn apply(
+    path: &Path,
+    options: &Options,
+    session: &Session,
+    sink: &mut Sink,
+) -> anyhow::Result<StageReport<Numbers>> {
+    let start = session.seconds();
+    let (folder, name) = DiskFolder::of(path)?;
+    let import = ImportOptions { one_sided: options.one_sided };
+    let (scene, imported) = scene::import(&name, &folder, import)?;
+    let bytes = scene::Folder::read(&folder, &name)?;
+    let step = stage::step("voxel-simplify", options.text(), &[(&name, &bytes)]);
+    let progress = session.progress();
+    let report = voxel_simplify::run(&scene, &options.params(), step, &progress, sink)?;
+    drop(progress);
+    let seconds = session.seconds() - start;
+    let report =
+        StageReport { stage: "voxel-simplify", seconds, numbers: Numbers { scene: imported, patches: report } };
+    session.print("voxel-simplify", &report)?;
+    Ok(report)
+}

@@ -1,0 +1,145 @@
+//! The invariants of ARCHITECTURE.md.
+
+use std::{
+    collections::BTreeSet,
+    path::{Path, PathBuf},
+    process::Command,
+};
+
+use allbounce_tests::root;
+use serde_json::Value;
+
+const STAGES: [&str; 6] = ["voxel-simplify", "formfactor", "series", "permute", "dxt-pack", "transfer"];
+/// Files that may hold `unsafe`.
+const UNSAFE_FILES: [&str; 1] = ["crates/radfile/src/bytes.rs"];
+
+fn cargo(args: &[&str]) -> String {
+    let output = Command::new(env!("CARGO")).args(args).current_dir(root()).output().expect("cargo starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("cargo speaks UTF-8")
+}
+
+/// Names of the packages that a crate of ours depends on, without dev-dependencies.
+fn dependencies(package: &str) -> BTreeSet<String> {
+    let metadata = cargo(&["metadata", "--format-version", "1", "--no-deps", "--offline"]);
+    let metadata: Value = serde_json::from_str(&metadata).expect("JSON");
+    let packages = metadata["packages"].as_array().expect("packages");
+    let found = packages.iter().find(|p| p["name"] == package).unwrap_or_else(|| panic!("no crate {package}"));
+    let normal = found["dependencies"].as_array().expect("dependencies").iter().filter(|d| d["kind"].is_null());
+    normal.map(|d| d["name"].as_str().expect("a name").to_owned()).collect()
+}
+
+fn ours() -> BTreeSet<String> {
+    let folders = std::fs::read_dir(root().join("crates")).expect("crates");
+    folders.flatten().map(|e| e.file_name().into_string().expect("UTF-8")).collect()
+}
+
+/// Every Rust source file of the crates' libraries and programs.
+fn sources() -> Vec<(PathBuf, String)> {
+    let mut files = Vec::new();
+    let mut folders: Vec<PathBuf> = ours().iter().map(|c| root().join("crates").join(c).join("src")).collect();
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("src").flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let text = std::fs::read_to_string(&path).expect("UTF-8");
+                files.push((path.strip_prefix(root()).expect("below the root").to_owned(), text));
+            }
+        }
+    }
+    files
+}
+
+/// Source text without comments and without test modules at the end of a file.
+fn code(text: &str) -> String {
+    let text = text.split("#[cfg(test)]").next().unwrap_or("");
+    text.lines().map(|l| l.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn stages_know_radfile_and_scene_and_nothing_else_of_ours() {
+    let allowed = BTreeSet::from(["radfile".to_owned(), "scene".to_owned()]);
+    for stage in STAGES {
+        let known: BTreeSet<String> = dependencies(stage).intersection(&ours()).cloned().collect();
+        assert!(known.is_subset(&allowed), "{stage} depends on {known:?}");
+    }
+    assert!(dependencies("radfile").is_disjoint(&ours()));
+    assert_eq!(dependencies("scene").intersection(&ours()).collect::<Vec<_>>(), ["radfile"]);
+    for runtime in ["relight", "gpu-runtime"] {
+        let known: BTreeSet<String> = dependencies(runtime).intersection(&ours()).cloned().collect();
+        assert!(known.is_subset(&allowed), "{runtime} depends on {known:?}");
+    }
+}
+
+#[test]
+fn heavy_dependencies_stand_in_one_room_each() {
+    let rooms = [
+        ("wgpu", "gpu-runtime"),
+        ("faer", "series"),
+        ("obvhs", "scene"),
+        ("bincode", "radfile"),
+        ("gltf", "scene"),
+        ("tobj", "scene"),
+    ];
+    for (package, room) in rooms {
+        for own in ours() {
+            assert_eq!(dependencies(&own).contains(package), own == room, "{own} and {package}");
+        }
+    }
+}
+
+#[test]
+fn without_the_gpu_feature_no_wgpu_is_pulled_in() {
+    let tree =
+        cargo(&["tree", "-p", "allbounce", "--no-default-features", "-e", "normal", "--prefix", "none", "--offline"]);
+    let wgpu: Vec<&str> = tree
+        .lines()
+        .filter(|l| l.starts_with("wgpu") || l.starts_with("naga") || l.starts_with("gpu-runtime"))
+        .collect();
+    assert!(wgpu.is_empty(), "{wgpu:?}");
+    let with = cargo(&["tree", "-p", "allbounce", "-e", "normal", "--prefix", "none", "--offline"]);
+    assert!(with.lines().any(|l| l.starts_with("wgpu v")), "the gpu feature is on by default");
+}
+
+#[test]
+fn only_the_command_line_prints_and_only_it_and_radfile_touch_files() {
+    let printing = ["println!", "eprintln!", "print!(", "eprint!(", "dbg!("];
+    let files = ["std::fs", "File::open", "File::create", "tempfile"];
+    let touches_files = [
+        Path::new("crates/radfile/src/builder.rs"),
+        Path::new("crates/radfile/src/container.rs"),
+        Path::new("crates/radfile/src/bytes.rs"),
+    ];
+    for (path, text) in sources() {
+        if path.starts_with("crates/allbounce") {
+            continue;
+        }
+        let code = code(&text);
+        assert!(!printing.iter().any(|p| code.contains(p)), "{} prints", path.display());
+        let io = files.iter().any(|f| code.contains(f)) && !touches_files.contains(&path.as_path());
+        assert!(!io, "{} touches files", path.display());
+    }
+}
+
+#[test]
+fn unsafe_code_stands_only_in_the_named_files() {
+    for (path, text) in sources() {
+        let code = code(&text);
+        let unsafe_word = code.split(|c: char| !(c.is_alphanumeric() || c == '_')).any(|word| word == "unsafe");
+        let named = UNSAFE_FILES.iter().any(|f| Path::new(f) == path);
+        assert_eq!(unsafe_word, named, "{}", path.display());
+    }
+}
+
+#[test]
+fn every_room_of_the_architecture_page_exists() {
+    let page = std::fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
+    for own in ours() {
+        assert!(page.contains(&format!("crates/{own}/")), "ARCHITECTURE.md does not name crates/{own}/");
+    }
+    for word in page.split(['`', ' ', ';', ',']).filter(|w| w.starts_with("crates/") && !w.contains('{')) {
+        assert!(root().join(word).exists(), "ARCHITECTURE.md names {word}");
+    }
+}
