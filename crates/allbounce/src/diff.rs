@@ -16,21 +16,17 @@ pub struct Args {
     a: PathBuf,
     /// The other
     b: PathBuf,
-    /// Largest absolute difference of a number [default: 0, or any if --rms is given]
+    /// Largest absolute difference of a number [default: 0, unlimited if --rms is given]
     #[arg(long, value_name = "X")]
     abs: Option<f64>,
-    /// Largest RMS difference of a section, relative to its RMS [default: any]
+    /// Largest RMS difference of a section, relative to its RMS [default: unlimited]
     #[arg(long, value_name = "X")]
     rms: Option<f64>,
 }
 
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let (a, b) = (files::open(&args.a)?, files::open(&args.b)?);
-    let tolerance = match (args.abs, args.rms) {
-        (None, None) => Tolerance::EXACT,
-        (abs, rms) => Tolerance::new(abs, rms),
-    };
-    let report = radfile::diff(&a, &b, tolerance);
+    let report = radfile::diff(&a, &b, Tolerance::new(args.abs, args.rms));
     session.print("diff", &report)?;
     session.finish(&report)?;
     if !report.equal {
