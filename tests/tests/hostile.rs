@@ -49,7 +49,7 @@ fn damaged_and_foreign_containers_are_refused_by_every_stage() {
         let foreign = b"void plastic red 0 0 5 .7 .05 .05 0 0\n".to_vec();
         for content in [flipped, cut, foreign, vec![], bytes[..40].to_vec()] {
             std::fs::write(&bad, content).expect("a file");
-            let run = allbounce([stage, &text(&bad), "-o", &text(&out), "-q"]);
+            let run = allbounce([*stage, &text(&bad), "-o", &text(&out), "-q"]);
             assert_eq!(run.code, Some(1), "{run:?}");
             chosen(&run, &out);
         }
