@@ -80,7 +80,6 @@ fn heavy_dependencies_stand_in_one_room_each() {
         ("faer", "series"),
         ("obvhs", "scene"),
         ("bincode", "radfile"),
-        ("gltf", "scene"),
         ("tobj", "scene"),
     ];
     for (package, room) in rooms {

@@ -3,7 +3,8 @@
 //! `glb` takes the container apart, `schema` is the JSON that matters, `document` holds both with the buffers,
 //! `accessor` reads numbers with every bound checked, `nodes` walks the scene, `primitive` makes triangles,
 //! `material` and `extras` what belongs to them. A schema of our own, because the `gltf` crate reads node
-//! transforms in single precision, which tears scenes with map coordinates apart, and knows no instancing.
+//! transforms in single precision, which tears scenes with map coordinates apart, and knows no instancing
+//! (`docs/decisions/0005-gltf.md`); it is the second opinion in the tests.
 //! Source: Khronos Group, glTF 2.0 Specification, version 2.0.1.
 
 mod accessor;
