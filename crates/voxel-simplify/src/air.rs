@@ -6,7 +6,7 @@
 //! be lit through its wall.
 
 use glam::Vec3;
-use radfile::{Patches, face_id};
+use radfile::{Patches, Side, face_id};
 use rayon::prelude::*;
 use scene::{PatchSampler, Rays, Sobol, cosine_direction, hash};
 
@@ -19,6 +19,17 @@ pub struct Air {
     space: Vec<u32>,
     /// For every such number, the area of the airspace's patches, m²; infinite where there is sky.
     area: Vec<f64>,
+    /// For every patch the share of back sides among the sides that it sees.
+    back_share: Vec<f32>,
+}
+
+/// What one patch sees.
+#[derive(Default)]
+struct View {
+    /// Patches, and the number of patches for the sky; sorted, each once.
+    met: Vec<u32>,
+    fronts: u32,
+    backs: u32,
 }
 
 impl Air {
@@ -27,20 +38,11 @@ impl Air {
         let sampler = PatchSampler::new(patches);
         let n = patches.len();
         let sky = n as u32;
-        let links: Vec<Vec<u32>> = (0..n)
-            .into_par_iter()
-            .map(|patch| {
-                let count = if kept[patch] { RAYS } else { 0 };
-                let mut met: Vec<u32> =
-                    (0..count).filter_map(|ray| meets(patches, &sampler, rays, patch, ray, seed)).collect();
-                met.sort_unstable();
-                met.dedup();
-                met
-            })
-            .collect();
+        let look = |patch| if kept[patch] { look(patches, &sampler, rays, patch, seed) } else { View::default() };
+        let views: Vec<View> = (0..n).into_par_iter().map(look).collect();
         let mut parent: Vec<u32> = (0..=sky).collect();
-        for (patch, met) in (0..).zip(&links) {
-            for &other in met {
+        for (patch, view) in (0..).zip(&views) {
+            for &other in &view.met {
                 let (a, b) = (root(&mut parent, patch), root(&mut parent, other));
                 // The smaller number wins, so the result does not depend on the order.
                 parent[a.max(b) as usize] = a.min(b);
@@ -52,12 +54,18 @@ impl Air {
             area[space[patch] as usize] += f64::from(patches.area[patch]);
         }
         area[space[n] as usize] = f64::INFINITY;
-        Air { space, area }
+        let back_share = views.iter().map(|v| v.backs as f32 / (v.fronts + v.backs).max(1) as f32).collect();
+        Air { space, area, back_share }
     }
 
     /// Whether two patches stand in the same air.
     pub fn is_shared(&self, a: usize, b: usize) -> bool {
         self.space[a] == self.space[b]
+    }
+
+    /// Share of back sides among the sides that a patch sees.
+    pub fn back_share(&self, patch: usize) -> f32 {
+        self.back_share[patch]
     }
 
     /// Area of all patches in the air of one, m²; infinite if the sky is part of it.
@@ -66,19 +74,29 @@ impl Air {
     }
 }
 
-/// The patch that a ray meets, the number of patches for the sky, `None` for a face without patches.
-fn meets(patches: &Patches, sampler: &PatchSampler, rays: &Rays, patch: usize, ray: u32, seed: u32) -> Option<u32> {
-    let [x, y, z, w] = Sobol::new(hash(seed, patch as u32)).sample(ray);
-    let point = sampler.point(patch, x, y);
-    let origin = rays.off_surface(point.position, point.normal);
-    let direction: Vec3 = cosine_direction(point.normal, z, w);
-    match rays.closest(origin, direction, f32::INFINITY, point.triangle) {
-        None => Some(patches.len() as u32),
-        Some(hit) => {
-            let place = (origin + hit.t * direction).to_array();
-            patches.locator.patch_at(face_id(hit.triangle, hit.side), place)
+/// Casts the rays of one patch.
+fn look(patches: &Patches, sampler: &PatchSampler, rays: &Rays, patch: usize, seed: u32) -> View {
+    let mut view = View::default();
+    let sequence = Sobol::new(hash(seed, patch as u32));
+    for ray in 0..RAYS {
+        let [x, y, z, w] = sequence.sample(ray);
+        let point = sampler.point(patch, x, y);
+        let origin = rays.off_surface(point.position, point.normal);
+        let direction: Vec3 = cosine_direction(point.normal, z, w);
+        let Some(hit) = rays.closest(origin, direction, f32::INFINITY, point.triangle) else {
+            view.met.push(patches.len() as u32);
+            continue;
+        };
+        match hit.side {
+            Side::Front => view.fronts += 1,
+            Side::Back => view.backs += 1,
         }
+        let place = (origin + hit.t * direction).to_array();
+        view.met.extend(patches.locator.patch_at(face_id(hit.triangle, hit.side), place));
     }
+    view.met.sort_unstable();
+    view.met.dedup();
+    view
 }
 
 /// The representative of a set, with the path to it halved.

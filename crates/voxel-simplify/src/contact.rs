@@ -8,8 +8,11 @@
 //! same direction, the front of one goes on in the back of the other: the contact is `turned`.
 //! For triangles that face the same way this also tells a surface that goes on from one that is
 //! folded back onto itself, so the two sides of a thin wedge never count as one.
+//!
+//! Where a third surface stands on the common edge, the floors of two rooms and the wall between
+//! them, the contact is cut: light does not pass from one floor to the other.
 
-use radfile::CellKey;
+use glam::DVec3;
 
 use crate::{
     clip::{Clip, Edge},
@@ -18,6 +21,9 @@ use crate::{
 
 /// Pieces that are paired with one piece along one edge; more meet through each other.
 const MOST_ON_AN_EDGE: usize = 16;
+
+/// Cosine of 50°: pieces that face apart by less go on in each other, others stand on each other.
+const GOES_ON: f64 = 0.643;
 
 /// Two pieces of one cell that touch, by their numbers in the cell.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +34,8 @@ pub struct Contact {
     pub turned: bool,
     /// Length of the common edge, metres.
     pub length: f64,
+    /// Ends of the common edge.
+    ends: [DVec3; 2],
 }
 
 /// An edge of a triangle as far as it lies in the cell.
@@ -37,8 +45,8 @@ struct Segment {
     /// Whether the piece runs from the smaller to the larger.
     forward: bool,
     piece: u32,
-    from: glam::DVec3,
-    to: glam::DVec3,
+    from: DVec3,
+    to: DVec3,
 }
 
 impl Segment {
@@ -49,24 +57,26 @@ impl Segment {
 
 /// All contacts in a cell; `tolerance` in metres.
 pub fn contacts(surface: &Surface, pieces: &[&Clip], tolerance: f64) -> Vec<Contact> {
-    debug_assert!(pieces.windows(2).all(|w| CellKey::cmp(&w[0].cell, &w[1].cell).is_eq()));
     let mut segments = segments(surface, pieces);
     segments.sort_by_key(|s| (s.key, s.piece));
+    let shared: Vec<&[Segment]> = segments.chunk_by(|s, t| s.key == t.key).collect();
     let mut contacts = Vec::new();
-    let mut lone = Vec::new();
-    for shared in segments.chunk_by(|s, t| s.key == t.key) {
-        if let [single] = shared {
-            lone.push(single);
-        }
-        for (i, s) in shared.iter().enumerate() {
-            for t in shared[i + 1..].iter().take(MOST_ON_AN_EDGE) {
-                let length = s.length().min(t.length());
-                contacts.push(Contact { a: s.piece, b: t.piece, turned: s.forward == t.forward, length });
-            }
+    for edge in &shared {
+        for (i, s) in edge.iter().enumerate() {
+            contacts.extend(edge[i + 1..].iter().take(MOST_ON_AN_EDGE).map(|t| {
+                let shorter = if s.length() < t.length() { s } else { t };
+                Contact {
+                    a: s.piece,
+                    b: t.piece,
+                    turned: s.forward == t.forward,
+                    length: shorter.length(),
+                    ends: [shorter.from, shorter.to],
+                }
+            }));
         }
     }
-    meet_in_space(lone, tolerance, &mut contacts);
-    contacts
+    meet_in_space(shared, tolerance, &mut contacts);
+    cut_below_walls(surface, pieces, &contacts, tolerance)
 }
 
 fn segments(surface: &Surface, pieces: &[&Clip]) -> Vec<Segment> {
@@ -85,37 +95,64 @@ fn segments(surface: &Surface, pieces: &[&Clip]) -> Vec<Segment> {
     segments
 }
 
-/// Finds lone edges that lie on each other, by a sweep along x.
-fn meet_in_space(mut lone: Vec<&Segment>, tolerance: f64, contacts: &mut Vec<Contact>) {
-    let low = |s: &Segment| s.from.x.min(s.to.x);
-    lone.sort_by(|s, t| low(s).total_cmp(&low(t)).then(s.piece.cmp(&t.piece)));
-    for (i, s) in lone.iter().enumerate() {
-        let reach = s.from.max(s.to) + tolerance;
-        let floor = s.from.min(s.to) - tolerance;
-        for t in lone[i + 1..].iter().take_while(|t| low(t) <= reach.x) {
-            let apart = t.from.min(t.to).cmpgt(reach).any() || t.from.max(t.to).cmplt(floor).any();
-            if apart || s.piece == t.piece {
+/// Finds edges that lie on each other though their vertices differ, at least one of them alone, by a sweep along x.
+fn meet_in_space(mut edges: Vec<&[Segment]>, tolerance: f64, contacts: &mut Vec<Contact>) {
+    let low = |edge: &[Segment]| edge[0].from.x.min(edge[0].to.x);
+    edges.sort_by(|s, t| low(s).total_cmp(&low(t)).then(s[0].piece.cmp(&t[0].piece)));
+    for (i, first) in edges.iter().enumerate() {
+        let (from, to) = (first[0].from, first[0].to);
+        let (floor, reach) = (from.min(to) - tolerance, from.max(to) + tolerance);
+        for second in edges[i + 1..].iter().take_while(|t| low(t) <= reach.x) {
+            let (from, to) = (second[0].from, second[0].to);
+            let apart = from.min(to).cmpgt(reach).any() || from.max(to).cmplt(floor).any();
+            if apart || (first.len() > 1 && second.len() > 1) {
                 continue;
             }
-            if let Some((turned, length)) = overlap(s, t, tolerance) {
-                contacts.push(Contact { a: s.piece.min(t.piece), b: s.piece.max(t.piece), turned, length });
+            for s in first.iter().take(MOST_ON_AN_EDGE) {
+                let others = second.iter().take(MOST_ON_AN_EDGE).filter(|t| t.piece != s.piece);
+                contacts.extend(others.filter_map(|t| meet(s, t, tolerance)));
             }
         }
     }
 }
 
-/// Whether two segments lie on each other for more than the tolerance: direction and length.
-fn overlap(s: &Segment, t: &Segment, tolerance: f64) -> Option<(bool, f64)> {
-    let (long, short) = if s.length() >= t.length() { (s, t) } else { (t, s) };
-    let length = long.length();
-    let along = (long.to - long.from) / length;
-    let place = |p: glam::DVec3| {
-        let offset = p - long.from;
-        let x = offset.dot(along);
-        (x, (offset - x * along).length())
+/// The contact of two segments that lie on each other for more than the tolerance.
+fn meet(s: &Segment, t: &Segment, tolerance: f64) -> Option<Contact> {
+    let (first, second) = if s.piece < t.piece { (s, t) } else { (t, s) };
+    let ends = overlap([first.from, first.to], [second.from, second.to], tolerance)?;
+    let turned = (first.to - first.from).dot(second.to - second.from) > 0.0;
+    Some(Contact { a: first.piece, b: second.piece, turned, length: ends[0].distance(ends[1]), ends })
+}
+
+/// What two segments have in common, if that is more than the tolerance.
+fn overlap(s: [DVec3; 2], t: [DVec3; 2], tolerance: f64) -> Option<[DVec3; 2]> {
+    let length = |s: [DVec3; 2]| s[0].distance(s[1]);
+    let (long, short) = if length(s) >= length(t) { (s, t) } else { (t, s) };
+    let along = (long[1] - long[0]) / length(long);
+    let place = |p: DVec3| (p - long[0]).dot(along);
+    let off = |p: DVec3| (p - long[0] - place(p) * along).length();
+    let (x, y) = (place(short[0]), place(short[1]));
+    let (low, high) = (x.min(y).max(0.0), x.max(y).min(length(long)));
+    let least = (2.0 * tolerance).min(0.5 * length(short));
+    let common = off(short[0]) <= tolerance && off(short[1]) <= tolerance && high - low > least;
+    common.then_some([long[0] + low * along, long[0] + high * along])
+}
+
+/// The contacts that no third piece stands on for half of their length or more.
+fn cut_below_walls(surface: &Surface, pieces: &[&Clip], contacts: &[Contact], tolerance: f64) -> Vec<Contact> {
+    let normal = |piece: u32| surface.normal[pieces[piece as usize].triangle as usize];
+    let goes_on = |c: &Contact| normal(c.a).dot(normal(c.b)).abs() >= GOES_ON;
+    let mut standing: Vec<Vec<(u32, [DVec3; 2])>> = vec![Vec::new(); pieces.len()];
+    for c in contacts.iter().filter(|c| !goes_on(c)) {
+        standing[c.a as usize].push((c.b, c.ends));
+        standing[c.b as usize].push((c.a, c.ends));
+    }
+    let covers = |c: &Contact, ends: [DVec3; 2]| {
+        overlap(ends, c.ends, tolerance).is_some_and(|common| common[0].distance(common[1]) >= 0.5 * c.length)
     };
-    let ((x, off_x), (y, off_y)) = (place(short.from), place(short.to));
-    let common = x.max(y).min(length) - x.min(y).max(0.0);
-    let least = (2.0 * tolerance).min(0.5 * short.length());
-    (off_x <= tolerance && off_y <= tolerance && common > least).then_some((y > x, common))
+    let is_cut = |c: &Contact| {
+        let mut walls = standing[c.a as usize].iter().filter(|(_, ends)| covers(c, *ends)).map(|(wall, _)| *wall);
+        walls.any(|wall| standing[c.b as usize].iter().any(|&(other, ends)| other == wall && covers(c, ends)))
+    };
+    contacts.iter().filter(|c| !goes_on(c) || !is_cut(c)).copied().collect()
 }

@@ -34,6 +34,11 @@ impl Coat {
     }
 }
 
+/// Whether a patch has back sides only.
+pub fn is_back(patches: &Patches, patch: usize) -> bool {
+    patches.pieces_of(patch).iter().all(|piece| piece.face % 2 == 1)
+}
+
 /// The final patches: `owner` names for each drafted patch the one that it is part of, `None` if it is dropped.
 pub fn compose(drafted: &Patches, owner: &[Option<u32>]) -> Patches {
     let mut members: Vec<(u32, usize)> = (0..owner.len()).filter_map(|p| Some((owner[p]?, p))).collect();

@@ -13,7 +13,7 @@ use radfile::Patches;
 use rayon::prelude::*;
 use scene::{NO_TRIANGLE, Rays};
 
-use crate::{air::Air, surface::Surface};
+use crate::{air::Air, draft::is_back, surface::Surface};
 
 /// Patches smaller than this part of a voxel's side are small.
 const SMALL: f32 = 0.15;
@@ -33,32 +33,34 @@ fn small_area(patches: &Patches) -> f32 {
     SMALL * patches.locator.cell_size * patches.locator.cell_size
 }
 
-/// Number of small patches among those that have an owner.
+/// Number of small patches among those that own themselves.
 pub fn count_small(patches: &Patches, owner: &[Option<u32>]) -> usize {
     let small = small_area(patches);
-    patches.area.iter().zip(owner).filter(|&(&area, owner)| owner.is_some() && area < small).count()
+    (0..patches.len()).filter(|&p| owner[p] == Some(p as u32) && patches.area[p] < small).count()
 }
 
-/// For every patch that has an owner, itself, the one that it becomes a part of; still itself for most.
+/// Joins small patches: for each of them, `owner` then names the one that it is part of.
 ///
 /// Patches in a closed pocket of air lose theirs if all that is in the pocket is smaller than a side of a voxel.
-pub fn gather(patches: &Patches, surface: &Surface, rays: &Rays, owner: &[Option<u32>], seed: u32) -> Vec<Option<u32>> {
-    let kept: Vec<bool> = owner.iter().map(Option::is_some).collect();
-    let air = Air::explore(patches, &kept, rays, seed);
+pub fn gather(patches: &Patches, surface: &Surface, rays: &Rays, air: &Air, owner: &mut [Option<u32>]) {
     let pocket = POCKET * f64::from(patches.locator.cell_size).powi(2);
-    let mut owner: Vec<Option<u32>> =
-        (0..).zip(owner).map(|(p, &owner)| owner.filter(|_| air.area(p) > pocket)).collect();
+    for (patch, owner) in owner.iter_mut().enumerate() {
+        *owner = owner.filter(|_| air.area(patch) > pocket);
+    }
     let mut cells: BTreeMap<[i64; 3], Vec<usize>> = BTreeMap::new();
-    for patch in (0..patches.len()).filter(|&p| owner[p].is_some()) {
+    for patch in (0..patches.len()).filter(|&p| owner[p] == Some(p as u32)) {
         cells.entry(patches.locator.cell_of(patches.position[patch])).or_default().push(patch);
     }
     let cells: Vec<Vec<usize>> = cells.into_values().collect();
     let joined: Vec<Vec<(usize, usize)>> =
-        cells.par_iter().map(|cell| Cell::new(patches, surface, rays, &air, cell).join_small()).collect();
-    for (patch, root) in joined.into_iter().flatten() {
-        owner[patch] = Some(root as u32);
+        cells.par_iter().map(|cell| Cell::new(patches, surface, rays, air, cell).join_small()).collect();
+    let mut root: Vec<u32> = (0..patches.len() as u32).collect();
+    for (patch, to) in joined.into_iter().flatten() {
+        root[patch] = to as u32;
     }
-    owner
+    for owner in owner.iter_mut().flatten() {
+        *owner = root[*owner as usize];
+    }
 }
 
 /// The patches of one cell.
@@ -78,6 +80,8 @@ struct Member {
     normal: Vec3,
     facing: Vec3,
     emits: bool,
+    /// Whether it has back sides only: then it is likely to lie inside a solid.
+    back: bool,
     /// Place in `members` of what it has joined.
     into: Option<usize>,
 }
@@ -89,7 +93,8 @@ impl<'a> Cell<'a> {
             area: patches.area[patch],
             normal: Vec3::from(patches.normal[patch]) * patches.area[patch],
             facing: Vec3::from(patches.normal[patch]),
-            emits: patches.pieces_of(patch).iter().any(|p| surface.emits[p.face as usize / 2]),
+            emits: surface.shines(patches.pieces_of(patch)),
+            back: is_back(patches, patch),
             into: None,
         };
         let mut members: Vec<Member> = cell.iter().map(member).collect();
@@ -128,7 +133,8 @@ impl<'a> Cell<'a> {
         let mut candidates: Vec<(f32, usize)> = Vec::new();
         for (m, other) in self.members.iter().enumerate().skip(s + 1) {
             let cosine = own.facing.dot(other.facing);
-            if cosine >= CONE && own.emits == other.emits && self.air.is_shared(own.patch, other.patch) {
+            let alike = (own.emits, own.back) == (other.emits, other.back);
+            if cosine >= CONE && alike && self.air.is_shared(own.patch, other.patch) {
                 let distance = self.position(m).distance(position) / self.patches.locator.cell_size;
                 candidates.push((distance - cosine, m));
             }

@@ -4,8 +4,8 @@
 //! touch and face the same way make one sheet (`contact`, `group`); sheets too small to matter join
 //! a neighbour that they touch (`merge`). Each side of a sheet is a patch (`assemble`), unless it
 //! sees nothing (`visibility`). `search` finds the voxel size for a number of patches; where parts
-//! that touch nothing would use them up, such parts share patches (`gather`, `air`). What patches
-//! look like is sampled from the scene's textures (`attributes`).
+//! that touch nothing would use them up, such parts share patches, and the insides of solids get
+//! coarser ones (`gather`, `inside`, `air`). What patches look like is sampled from the scene's textures (`attributes`).
 //!
 //! [`Mode::Faces`] is the variant of A. Shcherbakov and V. Frolov, Matrix transformations for
 //! efficient implementation of the radiosity algorithm on GPUs, Light & Engineering 27(2), 2019:
@@ -22,6 +22,7 @@ mod faces;
 mod gather;
 mod grid;
 mod group;
+mod inside;
 mod merge;
 mod report;
 mod search;

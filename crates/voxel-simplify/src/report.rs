@@ -25,6 +25,8 @@ pub struct Report {
     pub pieces: usize,
     /// Small sheets that joined a neighbour.
     pub merged: usize,
+    /// Patches on the insides of solids that became part of another, to leave room for what people look at.
+    pub coarsened: usize,
     /// Small patches that became part of another though they need not touch it, to leave room for large surfaces.
     pub gathered: usize,
     /// Patches kept.
@@ -95,6 +97,7 @@ pub fn report(
         degenerate_triangles: surface.degenerate,
         pieces: trial.draft.pieces,
         merged: trial.draft.merged,
+        coarsened: trial.coarsened,
         gathered: trial.gathered,
         patches: patches.len(),
         dropped: unseen.len(),

@@ -13,9 +13,6 @@ use crate::{
     trial::{Bench, Trial},
 };
 
-/// Share of small patches above which they are gathered, when a number of patches is asked for.
-const CROWDED: f64 = 0.25;
-
 /// Turns the surface of a scene into patches.
 ///
 /// | returns | meaning | unit |
@@ -58,11 +55,9 @@ fn find_size(bench: &Bench, wanted: u32) -> Result<(Trial, Vec<Attempt>), Error>
     let mut gather = false;
     search(wanted, start, whole, |voxel, extra_layers| {
         let mut trial = bench.attempt(voxel, extra_layers)?;
-        let changed = !gather && trial.small_share() > CROWDED;
-        gather |= changed;
-        if gather {
-            bench.gather(&mut trial);
-        }
+        let gathers = bench.economise(&mut trial, gather);
+        let changed = gathers && !gather;
+        gather |= gathers;
         Ok(Outcome { patches: trial.count(), value: trial, changed })
     })
 }

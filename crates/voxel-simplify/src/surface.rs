@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 
 use glam::DVec3;
-use radfile::Side;
+use radfile::{Piece, Side};
 use scene::Scene;
 
 use crate::Error;
@@ -129,6 +129,11 @@ impl<'a> Surface<'a> {
     /// Whether this side of a triangle reflects and receives.
     pub fn uses(&self, side: Side) -> bool {
         side == Side::Front || !self.scene.mesh.one_sided
+    }
+
+    /// Whether the material of any of these pieces emits, on whichever side.
+    pub fn shines(&self, pieces: &[Piece]) -> bool {
+        pieces.iter().any(|p| self.emits[p.face as usize / 2])
     }
 
     /// Area of all sides that are used; what coincides counts once.

@@ -5,17 +5,22 @@ use scene::Rays;
 
 use crate::{
     Error, Mode, Params,
+    air::Air,
     assemble::assemble,
     clip::clip,
     draft::Draft,
     faces::faces,
-    gather::{count_small, gather},
+    gather::{self, count_small},
     grid::Grid,
     group::group,
+    inside::coarsen,
     merge::merge,
     surface::Surface,
     visibility::seen,
 };
+
+/// Share of small patches above which they are gathered.
+const CROWDED: f64 = 0.25;
 
 /// What attempts have in common.
 pub struct Bench<'a> {
@@ -33,7 +38,9 @@ pub struct Trial {
     pub owner: Vec<Option<u32>>,
     /// Visibility rays cast.
     pub rays: u64,
-    /// Small separate parts that have joined another.
+    /// Patches inside solids that have joined another.
+    pub coarsened: usize,
+    /// Small patches that have joined another or lie in a pocket.
     pub gathered: usize,
 }
 
@@ -58,16 +65,28 @@ impl Bench<'_> {
             return Err(Error::NothingSeen { patches: seen.len(), rays: count });
         }
         let owner = (0..).zip(&seen).map(|(p, &seen)| seen.then_some(p)).collect();
-        Ok(Trial { voxel, draft, owner, rays, gathered: 0 })
+        Ok(Trial { voxel, draft, owner, rays, coarsened: 0, gathered: 0 })
     }
 
-    /// Lets small separate parts share patches.
-    pub fn gather(&self, trial: &mut Trial) {
-        if self.params.mode == Mode::Clusters {
+    /// Spends patches where they count: coarser ones inside solids and, if small ones crowd out the others or
+    /// `share` says so, shared ones for small parts. Returns whether they were shared.
+    pub fn economise(&self, trial: &mut Trial, share: bool) -> bool {
+        if self.params.mode == Mode::Faces {
+            return false;
+        }
+        let patches = &trial.draft.patches;
+        let kept: Vec<bool> = trial.owner.iter().map(Option::is_some).collect();
+        let air = Air::explore(patches, &kept, &self.rays, self.params.seed);
+        let before = trial.count();
+        coarsen(patches, self.surface, &air, &mut trial.owner);
+        trial.coarsened = before - trial.count();
+        let crowded = count_small(patches, &trial.owner) as f64 > CROWDED * trial.count() as f64;
+        if crowded || share {
             let before = trial.count();
-            trial.owner = gather(&trial.draft.patches, self.surface, &self.rays, &trial.owner, self.params.seed);
+            gather::gather(patches, self.surface, &self.rays, &air, &mut trial.owner);
             trial.gathered = before - trial.count();
         }
+        crowded || share
     }
 }
 
@@ -75,10 +94,5 @@ impl Trial {
     /// Number of patches.
     pub fn count(&self) -> usize {
         self.owner.iter().zip(0..).filter(|&(&owner, p)| owner == Some(p)).count()
-    }
-
-    /// Small patches as a share of all.
-    pub fn small_share(&self) -> f64 {
-        count_small(&self.draft.patches, &self.owner) as f64 / self.count() as f64
     }
 }

@@ -129,6 +129,24 @@ fn t_junctions_do_not_tear_a_sheet() {
     assert_eq!(own.len(), 2, "one patch a side");
 }
 
+/// A partition without thickness stands where the floors of two rooms meet; its edge spans both of them or more.
+#[test]
+fn floors_on_both_sides_of_a_partition_never_share_a_patch() {
+    for reach in [0.0, 0.3] {
+        let mut build = Build::new();
+        build.room(v(-5.0, -5.0, -5.0), v(5.0, 5.0, 5.0), 0);
+        let left = build.quad([v(-2.0, -1.0, 0.0), v(0.1, -1.0, 0.0), v(0.1, 1.0, 0.0), v(-2.0, 1.0, 0.0)], 0);
+        let right = build.quad([v(0.1, -1.0, 0.0), v(2.0, -1.0, 0.0), v(2.0, 1.0, 0.0), v(0.1, 1.0, 0.0)], 0);
+        let low = -1.0 - reach;
+        build.quad([v(0.1, low, 0.0), v(0.1, 1.0, 0.0), v(0.1, 1.0, 3.0), v(0.1, low, 3.0)], 0);
+        for scene in [build.clone().scene(), build.tilted().scene()] {
+            for voxel in [0.4, 1.0, 20.0] {
+                never_shared(&simplify(&scene, voxel).0, &[left.to_vec(), right.to_vec()]);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_repeated_triangle_counts_once_and_its_rays_find_the_same_patch() {
     for turned in [false, true] {
@@ -233,6 +251,36 @@ fn what_touches_nothing_shares_patches_only_where_a_number_is_asked_for() {
     // Pockets inside the cubes are dropped: no ray reaches them.
     let inside = patches.pieces.iter().filter(|p| p.face / 2 >= 12 && p.face % 2 == 1).count();
     assert_eq!(inside, 0);
+}
+
+#[test]
+fn insides_of_solids_get_coarser_patches_where_a_number_is_asked_for() {
+    let mut build = Build::new();
+    build.room(v(0.0, 0.0, 0.0), v(4.0, 4.0, 3.0), 0);
+    for i in 0..4u32 {
+        let at = v(0.5 + 1.7 * (i % 2) as f32, 0.5 + 1.8 * (i / 2) as f32, 0.0);
+        build.solid(at, at + v(1.2, 1.1, 2.0), 0);
+    }
+    let params = Params { resolution: Resolution::Patches(2000), ..Params::default() };
+    let (patches, report) = voxel_simplify(&build.scene(), &params, &Quiet).expect("sound");
+    assert!(report.coarsened > 0 && report.area_error < 1e-6, "{report:?}");
+    let mean = |back: bool| {
+        let which = || (0..patches.len()).filter(|&p| (patches.pieces_of(p)[0].face % 2 == 1) == back);
+        which().map(|p| patches.area[p]).sum::<f32>() / which().count() as f32
+    };
+    // Voxels and blocks of them cut the solids at different places; uniform patches would be equally large.
+    assert!(mean(true) > 1.8 * mean(false), "insides {} m², outsides {} m²", mean(true), mean(false));
+}
+
+/// Seen from inside, a room whose walls are wound the wrong way is all back sides.
+#[test]
+fn a_room_modelled_inside_out_is_not_taken_for_a_solid() {
+    let mut build = Build::new();
+    build.solid(v(0.0, 0.0, 0.0), v(4.0, 4.0, 3.0), 0);
+    build.solid(v(1.0, 1.0, 0.0), v(1.5, 1.5, 0.7), 0);
+    let params = Params { resolution: Resolution::Patches(1000), ..Params::default() };
+    let (_, report) = voxel_simplify(&build.scene(), &params, &Quiet).expect("sound");
+    assert_eq!(report.coarsened, 0);
 }
 
 /// Tiny cubes on both sides of a wall face the same way and lie in one voxel, but in different air.
