@@ -95,7 +95,7 @@ demo: build
 out/cornell-%.png: $(CORNELL)
 	$(ALLBOUNCE) render $< --camera assets/cornell/camera.json $(call look,cornell,$*) -o $@
 out/living-%.png: $(APARTMENT)
-	$(ALLBOUNCE) render $< --camera assets/apartment/living.camera.json $(call look,apartment,$*) -o $@
+	$(ALLBOUNCE) render $< --samples 24 --camera assets/apartment/living.camera.json $(call look,apartment,$*) -o $@
 out/hall-%.png: $(APARTMENT)
 	$(ALLBOUNCE) render $< --camera assets/apartment/hall.camera.json $(call look,apartment,$(subst panel,hall,$*)) -o $@
 
