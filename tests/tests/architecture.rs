@@ -75,13 +75,8 @@ fn stages_know_radfile_and_scene_and_nothing_else_of_ours() {
 
 #[test]
 fn heavy_dependencies_stand_in_one_room_each() {
-    let rooms = [
-        ("wgpu", "gpu-runtime"),
-        ("faer", "series"),
-        ("obvhs", "scene"),
-        ("bincode", "radfile"),
-        ("tobj", "scene"),
-    ];
+    let rooms =
+        [("wgpu", "gpu-runtime"), ("faer", "series"), ("obvhs", "scene"), ("bincode", "radfile"), ("tobj", "scene")];
     for (package, room) in rooms {
         for own in ours() {
             assert_eq!(dependencies(&own).contains(package), own == room, "{own} and {package}");
