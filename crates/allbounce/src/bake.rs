@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::{
-    dxt_pack, formfactor, permute, series,
+    dxt_pack, files, formfactor, permute, series,
     session::Session,
     stage::{self, Stage},
     transfer, voxel_simplify,
@@ -46,6 +46,7 @@ struct Report {
 }
 
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
+    files::check_outputs(&session.outputs(&args.output), &[("the scene", &args.scene)])?;
     let mut stages = Vec::new();
     let mut current = None;
     let report = voxel_simplify::apply(&args.scene, &args.voxel_simplify, session, &mut keep(&mut current))?;

@@ -1,4 +1,4 @@
-//! Points to evaluate: the CSV of DESIGN §4, read and repeated with the answers.
+//! Points to evaluate: the CSV of docs/design.md §4, read and repeated with the answers.
 
 use std::path::Path;
 
@@ -8,6 +8,9 @@ use crate::files;
 
 /// The columns that a points file must have.
 const COLUMNS: [&str; 6] = ["px", "py", "pz", "nx", "ny", "nz"];
+
+/// The columns that the answers add.
+const ANSWERS: [&str; 6] = ["direct_r", "direct_g", "direct_b", "indirect_r", "indirect_g", "indirect_b"];
 
 /// A points file.
 pub struct Points {
@@ -30,6 +33,12 @@ impl Points {
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
         let header: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
+        if let Some(twice) = COLUMNS.iter().find(|name| header.iter().filter(|h| h == *name).count() > 1) {
+            bail!("column {twice} is there twice; which one is meant?");
+        }
+        if let Some(taken) = ANSWERS.iter().find(|name| header.iter().any(|h| h == *name)) {
+            bail!("column {taken} is already there; rename it, the answers use this name");
+        }
         let mut columns = [0; 6];
         for (column, name) in columns.iter_mut().zip(COLUMNS) {
             *column = header.iter().position(|h| h == name).with_context(|| {
@@ -49,13 +58,15 @@ impl Points {
                     .filter(|v: &f64| v.is_finite())
                     .with_context(|| format!("line {line}: {name} is {text:?}, expected a number"))?;
             }
-            let [px, py, pz, nx, ny, nz] = values;
-            let length = (nx * nx + ny * ny + nz * nz).sqrt();
-            if length < 1e-6 {
+            let [px, py, pz, normal @ ..] = values;
+            let largest = normal.iter().fold(0.0f64, |m, x| m.max(x.abs())); // so that no square overflows
+            if largest < 1e-12 {
                 bail!("line {line}: the normal is zero; it must pick the side of the surface");
             }
+            let normal = normal.map(|x| x / largest);
+            let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
             points.position.push([px, py, pz]);
-            points.normal.push([nx, ny, nz].map(|x| (x / length) as f32));
+            points.normal.push(normal.map(|x| (x / length) as f32));
             points.records.push(record.iter().map(str::to_owned).collect());
         }
         Ok(points)
@@ -72,17 +83,13 @@ impl Points {
 
     /// Writes the points with direct and indirect irradiance, W/m², appended.
     pub fn write(&self, path: &Path, direct: &[[f32; 3]], indirect: &[[f32; 3]]) -> anyhow::Result<()> {
-        files::write_with(path, |file| {
-            let mut out = csv::Writer::from_writer(file);
-            let answers = ["direct_r", "direct_g", "direct_b", "indirect_r", "indirect_g", "indirect_b"];
-            out.write_record(self.header.iter().map(String::as_str).chain(answers))?;
-            for ((record, d), i) in self.records.iter().zip(direct).zip(indirect) {
-                let numbers = d.iter().chain(i).map(f32::to_string);
-                out.write_record(record.iter().cloned().chain(numbers))?;
-            }
-            out.flush()?;
-            Ok(())
-        })
+        let mut out = csv::Writer::from_writer(Vec::new());
+        out.write_record(self.header.iter().map(String::as_str).chain(ANSWERS))?;
+        for ((record, d), i) in self.records.iter().zip(direct).zip(indirect) {
+            let numbers = d.iter().chain(i).map(f32::to_string);
+            out.write_record(record.iter().cloned().chain(numbers))?;
+        }
+        files::write(path, &out.into_inner()?)
     }
 }
 
@@ -106,6 +113,8 @@ mod tests {
         assert!(refused(&format!("{header}1,2,3,0,0,1\n1,2,oops,0,0,1\n")).contains("line 3: pz is \"oops\""));
         assert!(refused(&format!("{header}1,2,NaN,0,0,1\n")).contains("expected a number"));
         assert!(refused(&format!("{header}1,2,3,0,0,0\n")).contains("the normal is zero"));
+        assert!(refused("px,py,pz,nx,ny,nz,px\n").contains("px is there twice"));
+        assert!(refused("px,py,pz,nx,ny,nz,direct_r\n").contains("direct_r is already there"));
         assert!(refused(&format!("{header}1,2,3\n")).contains("3 fields"));
     }
 }

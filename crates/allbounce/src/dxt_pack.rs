@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use radfile::{BlockFormat, Container, PackedOperator, Progress, Record, Sink, Step};
 
 use crate::{
-    files,
+    files, numbers,
     session::Session,
     stage::{self, Stage, patch_count},
 };
@@ -29,10 +30,10 @@ pub struct Options {
     #[arg(long, value_enum, default_value = "bc4-sqrt")]
     format: Format,
     /// Share of the values that are kept apart as they are too large for the map [0..=1]
-    #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = numbers::share)]
     outliers: f64,
     /// Span of the logarithm of `paper` and `bc4-log`
-    #[arg(long, value_name = "S", default_value_t = 6.0)]
+    #[arg(long, value_name = "S", default_value_t = 6.0, value_parser = numbers::span)]
     shift: f32,
     /// Keep form factors and the dense operator in the file
     #[arg(long)]
@@ -91,6 +92,10 @@ impl Stage for Options {
 }
 
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
+    if let Some(dds) = &args.dds {
+        let (input, output) = (&args.stage.input, &args.stage.output);
+        files::check_outputs(&[("--dds", dds)], &[("its own input", input), ("the output of -o", output)])?;
+    }
     stage::run(&args.stage, session)?;
     match &args.dds {
         Some(path) => export(&args.stage.output, path, session),
@@ -98,10 +103,11 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     }
 }
 
-/// Writes the textures of a packed container as DDS files.
+/// Writes the textures of a packed container as a DDS file.
 fn export(packed: &Path, path: &Path, session: &Session) -> anyhow::Result<()> {
     let container = files::open(packed)?;
-    files::write(path, &dxt_pack::dds(&PackedOperator::read(&container)?)?)?;
+    let textures = dxt_pack::dds(&PackedOperator::read(&container)?).with_context(|| packed.display().to_string())?;
+    files::write(path, &textures)?;
     session.say(&format!("wrote {}", path.display()));
     Ok(())
 }

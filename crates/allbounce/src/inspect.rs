@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use anyhow::Context;
 use radfile::{Container, Mesh, PackedOperator, Patches, Provenance, Record, Section, Transfer};
 use serde::Serialize;
 
@@ -40,33 +41,29 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
         version: format!("{major}.{minor}"),
         bytes: container.as_bytes().len() as u64,
         sections: container.sections().iter().map(row).collect(),
-        contents: contents(&container)?,
+        contents: contents(&container).with_context(|| args.file.display().to_string())?,
         provenance: Provenance::read(&container)?,
     };
-    print(&report);
+    files::print(&text(&report))?;
     session.finish(&report)
 }
 
-fn print(report: &Report) {
+fn text(report: &Report) -> String {
     let count = report.sections.len();
-    println!("container {}, {count} sections, {}, all checks passed", report.version, memory::size(report.bytes));
+    let size = memory::size(report.bytes);
+    let mut text = format!("container {}, {count} sections, {size}, all checks passed\n", report.version);
     for row in &report.sections {
-        println!("  {:<26} {:<22} {:>12}", row.name, row.holds, memory::size(row.bytes));
+        text += &format!("  {:<26} {:<22} {:>12}\n", row.name, row.holds, memory::size(row.bytes));
     }
     for line in &report.contents {
-        println!("{line}");
+        text += &format!("{line}\n");
     }
     for (number, step) in report.provenance.steps.iter().enumerate() {
-        let inputs: Vec<String> = step.inputs.iter().map(|(name, digest)| format!("{name} {:.12}…", digest)).collect();
-        println!(
-            "made by {}: allbounce {} {} {}  ({})",
-            number + 1,
-            step.version,
-            step.stage,
-            step.options,
-            inputs.join(", ")
-        );
+        let inputs: Vec<String> = step.inputs.iter().map(|(name, digest)| format!("{name} {digest:.12}…")).collect();
+        let (number, inputs) = (number + 1, inputs.join(", "));
+        text += &format!("made by {number}: allbounce {} {} {}  ({inputs})\n", step.version, step.stage, step.options);
     }
+    text
 }
 
 /// One line a record.

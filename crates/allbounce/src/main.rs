@@ -11,6 +11,7 @@ mod formfactor;
 mod gpu;
 mod inspect;
 mod memory;
+mod numbers;
 mod permute;
 mod pictures;
 mod progress;
@@ -31,9 +32,20 @@ use clap::{Parser, Subcommand};
 
 use crate::session::{Session, SessionArgs};
 
+const EXAMPLES: &str = "\
+Examples:
+  allbounce bake room.glb -o room.rad --patches 3000
+  allbounce relight room.rad --lights evening.json --points points.csv -o irradiance.csv
+  allbounce render room.rad --lights evening.json --camera door.json -o evening.png --backend gpu
+
+evening.json: { \"use_scene_emission\": true, \"lights\": [
+  { \"type\": \"point\", \"position\": [2, 1.5, 3], \"intensity\": [10, 9, 7] } ] }
+door.json:    { \"origin\": [0, 1.6, 0], \"target\": [2, 1.2, 3], \"up\": [0, 1, 0], \"fov_x_deg\": 70 }
+All lights, cameras and columns: docs/guide.md. Exit: 0 done, 1 input refused, 2 usage, 3 I/O.";
+
 /// Multi-bounce global illumination: bake a room once, then move the lights freely.
 #[derive(Parser)]
-#[command(version, max_term_width = 100)]
+#[command(version, max_term_width = 100, after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

@@ -1,9 +1,12 @@
 //! Pictures on disk: EXR with linear radiance, PNG for the eye.
 
-use std::path::Path;
+use std::{
+    io::Cursor,
+    path::{Path, PathBuf},
+};
 
-use anyhow::{Context, bail};
-use exr::prelude::write_rgb_file;
+use anyhow::Context;
+use exr::prelude::{SpecificChannels, Vec2, WritableImage};
 use image::{ImageEncoder, codecs::png::PngEncoder};
 
 use relight::Image;
@@ -17,34 +20,38 @@ pub enum Kind {
     Exr,
 }
 
+/// A file name on the command line that ends in .png or .exr.
+pub fn target(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    kind(&path).map(|_| path).ok_or_else(|| "unknown picture format, expected .png or .exr".into())
+}
+
 /// The kind that a file name asks for.
-pub fn kind(path: &Path) -> anyhow::Result<Kind> {
-    match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("png") => Ok(Kind::Png),
-        Some("exr") => Ok(Kind::Exr),
-        _ => bail!("{}: unknown picture format, expected .png or .exr", path.display()),
+pub fn kind(path: &Path) -> Option<Kind> {
+    match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+        "png" => Some(Kind::Png),
+        "exr" => Some(Kind::Exr),
+        _ => None,
     }
 }
 
 /// Writes linear radiance.
 pub fn write_exr(path: &Path, picture: &Image) -> anyhow::Result<()> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let temporary =
-        tempfile::Builder::new().suffix(".exr").tempfile_in(folder).with_context(|| path.display().to_string())?;
-    let pixel = |x: usize, y: usize| {
+    let layer = SpecificChannels::rgb(|Vec2(x, y)| {
         let [r, g, b] = picture.pixels[y * picture.width + x];
         (r, g, b)
-    };
-    write_rgb_file(temporary.path(), picture.width, picture.height, pixel)
+    });
+    let mut bytes = Cursor::new(Vec::new());
+    exr::image::Image::from_channels((picture.width, picture.height), layer)
+        .write()
+        .to_buffered(&mut bytes)
         .with_context(|| path.display().to_string())?;
-    files::write(path, &std::fs::read(temporary.path())?)
+    files::write(path, bytes.get_ref())
 }
 
 /// Writes 8-bit sRGB, three bytes a pixel.
 pub fn write_png(path: &Path, width: usize, height: usize, srgb: &[u8]) -> anyhow::Result<()> {
-    files::write_with(path, |file| {
-        let encoder = PngEncoder::new(std::io::BufWriter::new(file));
-        encoder.write_image(srgb, width as u32, height as u32, image::ExtendedColorType::Rgb8)?;
-        Ok(())
-    })
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes).write_image(srgb, width as u32, height as u32, image::ExtendedColorType::Rgb8)?;
+    files::write(path, &bytes)
 }

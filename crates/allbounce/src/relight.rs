@@ -10,7 +10,8 @@ use serde::Serialize;
 
 use crate::{
     csv_points::Points,
-    runtime::{Backend, Bake, LightOptions},
+    files,
+    runtime::{self, Backend, Bake, LightOptions},
     session::Session,
 };
 
@@ -25,7 +26,8 @@ pub struct Args {
     bake: PathBuf,
     #[command(flatten)]
     light: LightOptions,
-    /// Points with px,py,pz,nx,ny,nz in the scene file's axes, metres [default: the mesh's vertices]
+    /// Points with px,py,pz,nx,ny,nz in the scene file's axes, metres [default: the receivers of the bake,
+    /// each side of each vertex of the finer mesh]
     #[arg(long, value_name = "P.csv")]
     points: Option<PathBuf>,
     /// Where the answers go
@@ -39,6 +41,7 @@ pub struct Args {
 #[derive(Serialize)]
 struct Report {
     backend: String,
+    bounces: String,
     points: usize,
     points_without_patches: usize,
     mean_direct: [f64; 3],
@@ -47,8 +50,11 @@ struct Report {
 }
 
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
+    let mut inputs = vec![("the bake", args.bake.as_path()), ("the lights", args.light.path())];
+    inputs.extend(args.points.iter().map(|p| ("the points", p.as_path())));
+    files::check_outputs(&session.outputs(&args.output), &inputs)?;
     let bake = Bake::open(&args.bake)?;
-    let rig = args.light.rig(&bake.scene)?;
+    let rig = args.light.rig(&bake.scene, session)?;
     let named = || args.bake.display().to_string();
     if args.bounces.is_some() && !bake.container.has("formfactor.values") {
         bail!(
@@ -64,11 +70,19 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
         Backend::Gpu => crate::gpu::relight(args.bounces, &bake, &rig, &surface, &rows).with_context(named)?,
     };
     args.light.blank(&mut light.direct, &mut light.indirect);
+    if !light.direct.iter().chain(&light.indirect).flatten().all(|v| v.is_finite()) {
+        bail!("{}", runtime::TOO_BRIGHT);
+    }
     points.write(&args.output, &light.direct, &light.indirect)?;
+    let lost = (0..rows.len()).filter(|&r| rows.row(r).next().is_none()).count();
+    if lost > 0 {
+        session.warn(&format!("{lost} of {} points lie on no patch; their indirect light is 0", rows.len()));
+    }
     let report = Report {
         backend,
+        bounces: args.bounces.map_or_else(|| bake.bounces(), |k| Ok(format!("the first {k}")))?,
         points: rows.len(),
-        points_without_patches: (0..rows.len()).filter(|&r| rows.row(r).next().is_none()).count(),
+        points_without_patches: lost,
         mean_direct: mean(&light.direct),
         mean_indirect: mean(&light.indirect),
         seconds: session.seconds(),
@@ -136,5 +150,5 @@ fn frame(
 
 fn mean(values: &[[f32; 3]]) -> [f64; 3] {
     let n = values.len().max(1) as f64;
-    std::array::from_fn(|c| values.iter().map(|v| f64::from(v[c])).sum::<f64>() / n)
+    std::array::from_fn(|c| values.iter().fold(0.0, |sum, v| sum + f64::from(v[c])) / n)
 }

@@ -2,16 +2,20 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use relight::{Exposure, Image, Look, PatchSamples, Relighter, Shown};
 use scene::{Camera, LightRig, Rays};
 use serde::Serialize;
 
 use crate::{
+    files, numbers,
     pictures::{self, Kind},
     runtime::{self, Backend, Bake, LightOptions},
     session::Session,
 };
+
+/// Linear and encoded pixels, and what the exposure sorts.
+const BYTES_A_PIXEL: u64 = 12 + 12 + 4 + 3;
 
 /// A picture of one frame.
 ///
@@ -28,7 +32,7 @@ pub struct Args {
     #[arg(long, value_name = "C.json")]
     camera: PathBuf,
     /// Picture, .png or .exr
-    #[arg(short, long, value_name = "OUT")]
+    #[arg(short, long, value_name = "OUT", value_parser = pictures::target)]
     output: PathBuf,
     /// Pixels in a row
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=16384))]
@@ -36,17 +40,18 @@ pub struct Args {
     /// Rows
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=16384))]
     height: u16,
-    /// Primary rays a pixel (CPU)
+    /// Primary rays a pixel; the GPU takes 4
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=65536))]
     samples: u32,
-    /// Factor on radiance before a PNG is clipped to white [default: the 95th percentile becomes 0.8]
-    #[arg(long, value_name = "X")]
+    /// Factor on radiance, (m² sr)/W, before a PNG is clipped to white [default: the 95th percentile becomes 0.8]
+    #[arg(long, value_name = "X", value_parser = numbers::positive)]
     exposure: Option<f32>,
 }
 
 #[derive(Serialize)]
 struct Report {
     backend: String,
+    bounces: String,
     width: usize,
     height: usize,
     mean_radiance: [f64; 3],
@@ -56,9 +61,12 @@ struct Report {
 }
 
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
-    let kind = pictures::kind(&args.output)?;
+    let inputs = [("the bake", args.bake.as_path()), ("the lights", args.light.path()), ("the camera", &args.camera)];
+    files::check_outputs(&session.outputs(&args.output), &inputs)?;
+    let pixels = u64::from(args.width) * u64::from(args.height);
+    session.ask_memory("the picture", pixels * BYTES_A_PIXEL, "make it smaller (--width, --height)")?;
     let bake = Bake::open(&args.bake)?;
-    let rig = args.light.rig(&bake.scene)?;
+    let rig = args.light.rig(&bake.scene, session)?;
     let camera = runtime::camera(&args.camera, &bake.scene)?;
     let (image, backend) = match args.light.backend {
         Backend::Cpu => (on_cpu(args, &bake, &rig, &camera, session)?, "cpu".to_owned()),
@@ -66,21 +74,24 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
             crate::gpu::render(&bake, &rig, &camera, args.width.into(), args.height.into(), args.light.parts())?
         }
     };
-    let exposure = match kind {
-        Kind::Exr => {
+    if !image.pixels.as_flattened().iter().all(|v| v.is_finite()) {
+        bail!("{}", runtime::TOO_BRIGHT);
+    }
+    let exposure = match pictures::kind(&args.output) {
+        Some(Kind::Exr) => {
             pictures::write_exr(&args.output, &image)?;
             None
         }
-        Kind::Png => {
+        _ => {
             let (bytes, exposure) = relight::tone_map(&image, args.exposure.map_or(Exposure::Auto, Exposure::Fixed));
             pictures::write_png(&args.output, image.width, image.height, &bytes)?;
             Some(exposure)
         }
     };
-    let pixels = image.pixels.len() as f64;
-    let mean = |c: usize| image.pixels.iter().map(|p| f64::from(p[c])).sum::<f64>() / pixels;
+    let mean = |c: usize| image.pixels.iter().map(|p| f64::from(p[c])).sum::<f64>() / pixels as f64;
     let report = Report {
         backend,
+        bounces: bake.bounces()?,
         width: image.width,
         height: image.height,
         mean_radiance: std::array::from_fn(mean),

@@ -21,7 +21,7 @@ fn append(text: &mut String, value: &Value, depth: usize) {
                 append(text, value, depth + 1);
             }
             Value::Array(items) if items.is_empty() => {}
-            Value::Array(items) if items.iter().any(Value::is_string) => {
+            Value::Array(items) if items.iter().any(|item| item.is_string() || item.is_object()) => {
                 for item in items {
                     text.push_str(&format!("{indent}{name}: {}\n", scalar(item)));
                 }

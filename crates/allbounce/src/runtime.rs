@@ -7,7 +7,7 @@ use radfile::{Container, PackedOperator, Patches, Record, Transfer};
 use relight::Parts;
 use scene::{Camera, LightRig, Scene};
 
-use crate::files;
+use crate::{files, session::Session};
 
 /// Everything of a bake but the operator, which stays in the container.
 pub struct Bake {
@@ -33,11 +33,19 @@ impl Bake {
         Ok(PackedOperator::read(&self.container)?)
     }
 
+    /// Which bounces the packed operator holds, in words.
+    pub fn bounces(&self) -> anyhow::Result<String> {
+        Ok(self.packed()?.packing.bounces.map_or_else(|| "all".into(), |k| format!("the first {k}")))
+    }
+
     /// What each patch sees of the sky.
     pub fn sky(&self) -> anyhow::Result<&[f32]> {
         Ok(radfile::read_sky(&self.container)?)
     }
 }
+
+/// Said where an answer is not finite.
+pub const TOO_BRIGHT: &str = "the lights are too bright for single precision; lower their intensities";
 
 /// Which processor computes a frame.
 #[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
@@ -84,8 +92,22 @@ impl LightOptions {
         }
     }
 
-    /// Reads the lights file, or takes the scene's own lights.
-    pub fn rig(&self, scene: &Scene) -> anyhow::Result<LightRig> {
+    /// The lights file.
+    pub fn path(&self) -> &Path {
+        &self.lights
+    }
+
+    /// Reads the lights file, or takes the scene's own lights; warns where nothing can shine.
+    pub fn rig(&self, scene: &Scene, session: &Session) -> anyhow::Result<LightRig> {
+        let rig = self.read(scene)?;
+        let emits = scene.materials.materials.iter().any(|m| m.emission.iter().any(|&e| e > 0.0));
+        if rig.lights.is_empty() && !(rig.use_scene_emission && emits) {
+            session.warn("there are no lights, and no emitting material is used: every answer is dark");
+        }
+        Ok(rig)
+    }
+
+    fn read(&self, scene: &Scene) -> anyhow::Result<LightRig> {
         if self.lights.as_os_str() == "scene" {
             let lights = scene.extras.lights.iter().map(|(_, light)| *light).collect();
             return Ok(LightRig { use_scene_emission: true, lights, ..LightRig::default() });

@@ -25,7 +25,7 @@ impl Stage for Options {
     type Report = series::Report;
 
     fn text(&self) -> String {
-        self.bounces.map_or_else(|| "all bounces".into(), |k| format!("--bounces {k}"))
+        self.bounces.map_or_else(String::new, |k| format!("--bounces {k}"))
     }
 
     fn memory(&self, input: &Container) -> anyhow::Result<(u64, &'static str)> {

@@ -1,6 +1,9 @@
 //! What every subcommand shares: threads, quietness, the memory budget, the report file.
 
-use std::{path::PathBuf, time::Instant};
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
 use anyhow::Context;
 use serde::Serialize;
@@ -69,6 +72,17 @@ impl Session {
         if !self.quiet {
             eprintln!("{line}");
         }
+    }
+
+    /// The files that this run writes: its output and the report.
+    pub fn outputs<'a>(&'a self, output: &'a Path) -> Vec<(&'static str, &'a Path)> {
+        let report = self.report.as_deref().map(|path| ("--report", path));
+        std::iter::once(("-o", output)).chain(report).collect()
+    }
+
+    /// Prints a line that people should not miss.
+    pub fn warn(&self, line: &str) {
+        self.say(&format!("warning: {line}"));
     }
 
     /// Writes the report file, if one was asked for.

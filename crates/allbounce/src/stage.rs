@@ -1,6 +1,6 @@
 //! What the container-to-container stages have in common: open, ask for memory, work, write, report.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use radfile::{Container, Progress, Sink, Step};
 use serde::Serialize;
@@ -30,7 +30,7 @@ pub trait Stage {
     ) -> anyhow::Result<Self::Report>;
 }
 
-/// Options of a stage between two containers.
+// A doc comment here would stand in every stage's help, before its own.
 #[derive(clap::Args)]
 pub struct Args<O: clap::Args> {
     /// Container to read
@@ -53,21 +53,24 @@ pub struct StageReport<R> {
 }
 
 /// Provenance of one stage.
-pub fn step(stage: &str, options: String, inputs: &[(&str, &[u8])]) -> Step {
-    Step {
-        stage: stage.into(),
-        version: env!("CARGO_PKG_VERSION").into(),
-        options,
-        inputs: inputs.iter().map(|(name, bytes)| ((*name).into(), radfile::digest(bytes))).collect(),
-    }
+pub fn step(stage: &str, options: String, inputs: Vec<(String, String)>) -> Step {
+    Step { stage: stage.into(), version: env!("CARGO_PKG_VERSION").into(), options, inputs }
 }
 
 /// Runs a stage from file to file.
 pub fn run<O: clap::Args + Stage>(args: &Args<O>, session: &Session) -> anyhow::Result<()> {
+    files::check_outputs(&session.outputs(&args.output), &[("its own input", &args.input)])?;
     let input = files::open(&args.input)?;
-    let report = apply(&args.options, &input, session, &mut |builder| builder.write_file(&args.output))
-        .map_err(|error| error.context(args.input.display().to_string()))?;
-    session.finish(&report)
+    let report = apply(&args.options, &input, session, &mut |builder| builder.write_file(&args.output));
+    session.finish(&report.map_err(|error| about(&args.input, error))?)
+}
+
+/// Puts the input's name before an error, unless it is about another file.
+fn about(input: &Path, error: anyhow::Error) -> anyhow::Error {
+    match error.chain().any(|cause| matches!(cause.downcast_ref(), Some(radfile::Error::Io { .. }))) {
+        true => error,
+        false => error.context(input.display().to_string()),
+    }
 }
 
 /// Runs a stage from a container to a sink, prints its report.
@@ -81,7 +84,7 @@ pub fn apply<S: Stage>(
     let (need, remedy) = stage.memory(input)?;
     session.ask_memory(S::NAME, need, remedy)?;
     let progress = session.progress();
-    let step = step(S::NAME, stage.text(), &[("input", input.as_bytes())]);
+    let step = step(S::NAME, stage.text(), vec![("input".into(), radfile::digest(input.as_bytes()))]);
     let numbers = stage.apply(input, step, &progress, sink)?;
     drop(progress);
     let report = StageReport { stage: S::NAME, seconds: session.seconds() - start, numbers };

@@ -2,15 +2,15 @@
 
 use radfile::{Container, Progress, Sink, Step};
 
-use crate::stage::Stage;
+use crate::{numbers, stage::Stage};
 
 /// Tessellate the mesh and find, for each vertex and side, the patches whose light it shows.
 ///
 /// Reads mesh and patches. Adds the finer mesh and normalised weights over patches the vertex can see.
 #[derive(clap::Args)]
 pub struct Options {
-    /// Longest edge of the finer mesh, metres [default: the voxel size]
-    #[arg(long, value_name = "LENGTH")]
+    /// Longest edge of the finer mesh, such as 0.1m [default: the voxel size]
+    #[arg(long, value_name = "LENGTH", value_parser = numbers::metres)]
     edge: Option<f32>,
 }
 
@@ -19,7 +19,7 @@ impl Stage for Options {
     type Report = transfer::Report;
 
     fn text(&self) -> String {
-        self.edge.map_or_else(String::new, |edge| format!("--edge {edge}"))
+        self.edge.map_or_else(String::new, |edge| format!("--edge {edge}m"))
     }
 
     fn memory(&self, _input: &Container) -> anyhow::Result<(u64, &'static str)> {

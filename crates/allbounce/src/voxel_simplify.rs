@@ -2,13 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use radfile::Sink;
 use scene::{ImportOptions, ImportReport};
 use serde::Serialize;
 use voxel_simplify::{Mode, Params, Report, Resolution};
 
 use crate::{
-    files::DiskFolder,
+    files::{self, DiskFolder},
+    numbers,
     session::Session,
     stage::{self, StageReport},
 };
@@ -31,35 +33,25 @@ pub struct Args {
 #[derive(clap::Args)]
 pub struct Options {
     /// Edge of a voxel, such as 0.25m
-    #[arg(long, value_name = "LENGTH", value_parser = metres, conflicts_with = "patches")]
+    #[arg(long, value_name = "LENGTH", value_parser = numbers::metres, conflicts_with = "patches")]
     voxel: Option<f32>,
     /// Number of patches to aim at; finds the voxel size [default: 2500]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     patches: Option<u32>,
-    /// clusters of real triangles, or the paper's axis-aligned voxel faces
+    /// How triangles become patches
     #[arg(long, value_enum, default_value = "clusters")]
     mode: ModeName,
-    /// Back sides neither reflect nor receive
+    /// Back sides neither reflect nor receive (emission always leaves the front)
     #[arg(long)]
     one_sided: bool,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum ModeName {
+    /// Connected pieces of the real triangles that face the same way
     Clusters,
+    /// The paper's axis-aligned voxel faces, for comparison; area is not conserved
     Faces,
-}
-
-/// A length with or without the unit `m`, `cm` or `mm`.
-fn metres(text: &str) -> Result<f32, String> {
-    let (number, factor) = [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)]
-        .into_iter()
-        .find_map(|(unit, factor)| text.strip_suffix(unit).map(|number| (number, factor)))
-        .unwrap_or((text, 1.0));
-    match number.trim().parse::<f32>() {
-        Ok(value) if value > 0.0 && value.is_finite() => Ok(value * factor),
-        _ => Err("expected a positive length such as 0.25m".into()),
-    }
 }
 
 impl Options {
@@ -94,6 +86,7 @@ pub struct Numbers {
 }
 
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
+    files::check_outputs(&session.outputs(&args.output), &[("the scene", &args.scene)])?;
     let report = apply(&args.scene, &args.options, session, &mut |b| b.write_file(&args.output))?;
     session.finish(&report)
 }
@@ -108,11 +101,11 @@ pub fn apply(
     let start = session.seconds();
     let (folder, name) = DiskFolder::of(path)?;
     let import = ImportOptions { one_sided: options.one_sided };
-    let (scene, imported) = scene::import(&name, &folder, import)?;
-    let bytes = scene::Folder::read(&folder, &name)?;
-    let step = stage::step("voxel-simplify", options.text(), &[(&name, &bytes)]);
+    let named = || path.display().to_string();
+    let (scene, imported) = scene::import(&name, &folder, import).with_context(named)?;
+    let step = stage::step("voxel-simplify", options.text(), folder.inputs());
     let progress = session.progress();
-    let report = voxel_simplify::run(&scene, &options.params(), step, &progress, sink)?;
+    let report = voxel_simplify::run(&scene, &options.params(), step, &progress, sink).with_context(named)?;
     drop(progress);
     let seconds = session.seconds() - start;
     let report =

@@ -1,0 +1,35 @@
+//! Numbers on the command line: each with its range, so that a wrong one is a usage error.
+
+/// A positive length with or without the unit `m`, `cm` or `mm`.
+pub fn metres(text: &str) -> Result<f32, String> {
+    let (number, factor) = [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)]
+        .into_iter()
+        .find_map(|(unit, factor)| text.strip_suffix(unit).map(|number| (number, factor)))
+        .unwrap_or((text, 1.0));
+    match number.trim().parse::<f32>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value * factor),
+        _ => Err("expected a positive length such as 0.25m".into()),
+    }
+}
+
+/// A share of a whole, 0 to 1.
+pub fn share(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|v| (0.0..=1.0).contains(v)).ok_or_else(|| "expected a number from 0 to 1".into())
+}
+
+/// A positive factor.
+pub fn positive(text: &str) -> Result<f32, String> {
+    let fits = |v: &f32| *v > 0.0 && v.is_finite();
+    text.parse().ok().filter(fits).ok_or_else(|| "expected a positive number".into())
+}
+
+/// Span of a logarithmic map; beyond 80 the smallest values underflow.
+pub fn span(text: &str) -> Result<f32, String> {
+    text.parse().ok().filter(|v| (0.1..=80.0).contains(v)).ok_or_else(|| "expected a number from 0.1 to 80".into())
+}
+
+/// A tolerance, 0 or more.
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    let fits = |v: &f64| *v >= 0.0 && v.is_finite();
+    text.parse().ok().filter(fits).ok_or_else(|| "expected a number that is not negative".into())
+}
