@@ -11,7 +11,7 @@
 //! - `closure.rs`: the scaling of rows.
 //! - `assemble.rs`: the three in order, and the figures of the report.
 //!
-//! Start at [`form_factors`]. Equations: DESIGN §2, identity 1; method: DESIGN §6.2.
+//! Start at [`form_factors`]. Equations: docs/design.md §2, identity 1; method: docs/design.md §6.2.
 
 mod assemble;
 mod closure;

@@ -1,6 +1,6 @@
 //! The run time on a GPU: shadow maps, patch light, packed product, transfer, shading.
 //!
-//! A frame is a handful of passes in one submission (DESIGN §3): for every lamp a shadow map and the light
+//! A frame is a handful of passes in one submission (docs/design.md §3): for every lamp a shadow map and the light
 //! it brings to points (samples of patches, points of a list, pixels); the mean over each patch; the packed
 //! operator times what the patches send, which is all further bounces; the gather at receivers; the shading
 //! of a picture. The CPU does the same in `relight`, which is the twin that this crate is judged by.

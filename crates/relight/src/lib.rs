@@ -1,6 +1,6 @@
 //! The run time on a CPU: direct light, packed product, transfer, pictures.
 //!
-//! A frame (DESIGN §3) is direct irradiance of the patches, one product with the packed operator and
+//! A frame (docs/design.md §3) is direct irradiance of the patches, one product with the packed operator and
 //! a transfer to what is looked at. Start at [`Relighter`], which ties a bake together:
 //!
 //! - [`DirectLight`]: irradiance of all lights of a rig at any point, with shadow rays.

@@ -1,4 +1,4 @@
-//! The camera file of DESIGN §4.
+//! The camera file of docs/design.md §4.
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};

@@ -4,7 +4,7 @@
 //! - [`Surfaces`]: reflectance and emission at a point of a triangle, textures decoded.
 //! - [`Rays`]: watertight closest-hit and visibility queries.
 //! - [`Sobol`], [`cosine_direction`], [`PatchSampler`]: points and directions, deterministic.
-//! - [`LightRig`], [`Light`], [`Camera`]: the JSON files of DESIGN §4.
+//! - [`LightRig`], [`Light`], [`Camera`]: the JSON files of docs/design.md §4.
 //!
 //! Files are read through the [`Folder`] that the caller hands in; nothing here touches the disk.
 

@@ -1,4 +1,4 @@
-//! The lights file of DESIGN §4: radiometric SI, linear RGB, the scene file's axes.
+//! The lights file of docs/design.md §4: radiometric SI, linear RGB, the scene file's axes.
 
 use serde::{Deserialize, Serialize};
 

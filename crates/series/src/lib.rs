@@ -6,7 +6,7 @@
 //!
 //! - Scaling by areas makes one bounce symmetric: W = A^{1/2} F A^{-1/2} (`one_bounce`).
 //! - All bounces are solved, not summed: I − R W R is symmetric positive definite for every physical F
-//!   (`cholesky`), K = W + Yᵀ Y with Y = L⁻¹ R W (`solve`). DESIGN §2, equation (3).
+//!   (`cholesky`), K = W + Yᵀ Y with Y = L⁻¹ R W (`solve`). docs/design.md §2, equation (3).
 //! - The first k bounces are summed by doubling (`truncated`).
 //! - What the result is worth is measured, not assumed: `spectrum`, `quality`.
 //!

@@ -1,6 +1,6 @@
 //! How right the solution is, measured on the solution itself.
 //!
-//! Furnace identity (DESIGN §2): emitters of exitance 1 − ρ everywhere and a sky that replaces what is
+//! Furnace identity (docs/design.md §2): emitters of exitance 1 − ρ everywhere and a sky that replaces what is
 //! lost light every patch with exactly 1, whatever the geometry:
 //! Σ_j X_ij (1 − ρ_j) + A_i s_i = A_i, where s = (I − F ρ)⁻¹ (1 − F 1) is the sky's light after all bounces.
 //! The sky's part is solved with the Cholesky factor, not with K, so the identity tests the one against the other.

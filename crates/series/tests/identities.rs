@@ -1,4 +1,4 @@
-//! What holds for every room (DESIGN §2, identities 1, 2 and 4).
+//! What holds for every room (docs/design.md §2, identities 1, 2 and 4).
 
 mod common;
 
