@@ -8,16 +8,24 @@ if ! command -v cargo >/dev/null; then
     exit 1
 fi
 
+missing=()
+cargo fmt --version >/dev/null 2>&1 || missing+=(rustfmt)
+cargo clippy --version >/dev/null 2>&1 || missing+=(clippy)
+if [ ${#missing[@]} -gt 0 ]; then
+    echo "setup: \`make test\` needs ${missing[*]}; install with: rustup component add ${missing[*]}" >&2
+fi
+
 # macOS and Windows bring their own graphics driver.
 [ "$(uname -s)" = Linux ] || exit 0
 
-loader() { ldconfig -p 2>/dev/null | grep -q 'libvulkan\.so\.1'; }
+# ldconfig is not in every user's path.
+loader() { PATH=$PATH:/sbin:/usr/sbin ldconfig -p 2>/dev/null | grep -q 'libvulkan\.so\.1'; }
 driver() {
     [ -n "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ] ||
         compgen -G '/usr/share/vulkan/icd.d/*.json' >/dev/null ||
         compgen -G '/etc/vulkan/icd.d/*.json' >/dev/null ||
         compgen -G '/usr/local/share/vulkan/icd.d/*.json' >/dev/null ||
-        compgen -G "${HOME}/.local/share/vulkan/icd.d/*.json" >/dev/null
+        compgen -G "${HOME:-}/.local/share/vulkan/icd.d/*.json" >/dev/null
 }
 
 packages=()
