@@ -1,7 +1,8 @@
 //! A glTF file taken apart: JSON, buffers, and the refusal of what it must not be read without.
 
 use super::{
-    base64, glb,
+    data_uri::data_uri,
+    glb,
     schema::{Head, Root},
 };
 use crate::{
@@ -116,7 +117,7 @@ impl<'a> Document<'a> {
 
     /// Bytes behind a URI: inside the JSON, or in a file beside the scene.
     pub fn load_uri(&self, uri: &str, files: &Files, notes: &mut Notes) -> Result<Vec<u8>> {
-        match base64::data_uri(uri) {
+        match data_uri(uri) {
             Some(decoded) => decoded.map_err(|what| self.malformed(what)),
             None => {
                 let path = percent_decoded(uri);

@@ -8,7 +8,7 @@
 //! Source: Khronos Group, glTF 2.0 Specification, version 2.0.1.
 
 mod accessor;
-mod base64;
+mod data_uri;
 mod document;
 mod extras;
 mod glb;
