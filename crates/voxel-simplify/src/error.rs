@@ -30,6 +30,18 @@ pub enum Error {
     /// No patches were asked for.
     #[error("0 patches were asked for, expected at least 1")]
     NoPatchesWanted,
+    /// Voxels out of all proportion to the scene.
+    #[error(
+        "voxels of {voxel} m are more than {} times as large as the scene, which is {extent} m long; use voxels well below \
+         {extent} m, or give a number of patches",
+        crate::simplify::MOST_EXTENTS
+    )]
+    VoxelTooLarge {
+        /// Edge of a voxel, metres.
+        voxel: f32,
+        /// Longest side of the scene's box, metres.
+        extent: f32,
+    },
     /// More cells along an axis than a cell number can hold.
     #[error(
         "voxels of {voxel} m cut the scene's {extent} m into {cells} cells along one axis, at most {} are possible; \
@@ -66,8 +78,7 @@ pub enum Error {
     /// No patch sees another.
     #[error(
         "none of the {patches} patches sees any surface ({rays} rays each escaped): the scene is open on all sides, \
-         so there is no bounced light to compute; check that walls are there and face inwards, or keep all patches \
-         with 0 visibility rays"
+         so there is no bounced light to compute; check that walls are there and face inwards"
     )]
     NothingSeen {
         /// Patches before dropping.

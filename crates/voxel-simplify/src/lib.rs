@@ -70,6 +70,6 @@ pub struct Params {
 
 impl Default for Params {
     fn default() -> Params {
-        Params { resolution: Resolution::Patches(3000), mode: Mode::Clusters, visibility_rays: 128, seed: 1 }
+        Params { resolution: Resolution::Patches(2500), mode: Mode::Clusters, visibility_rays: 128, seed: 1 }
     }
 }

@@ -13,6 +13,9 @@ use crate::{
     trial::{Bench, Trial},
 };
 
+/// Edge of the largest voxel, in lengths of the scene: beyond one, all are alike but for rounding.
+pub const MOST_EXTENTS: f32 = 100.0;
+
 /// Turns the surface of a scene into patches.
 ///
 /// | returns | meaning | unit |
@@ -22,7 +25,7 @@ use crate::{
 ///
 /// # Errors
 ///
-/// A mesh without area, a voxel size that is no length or too small, a texture that cannot be
+/// A mesh without area, a voxel size that is no length, too small or too large, a texture that cannot be
 /// decoded, or a scene in which no patch sees another.
 ///
 /// # Panics
@@ -34,7 +37,10 @@ pub fn voxel_simplify(scene: &Scene, params: &Params, progress: &dyn Progress) -
     let surfaces = Surfaces::new(&scene.mesh, &scene.materials)?;
     let bench = Bench { surface: &surface, rays: Rays::new(&scene.mesh), params, progress };
     let (mut trial, attempts) = match params.resolution {
-        Resolution::Voxel(voxel) => (bench.attempt(voxel, [0; 3])?, vec![]),
+        Resolution::Voxel(voxel) => {
+            check_proportion(voxel, &surface)?;
+            (bench.attempt(voxel, [0; 3])?, vec![])
+        }
         Resolution::Patches(0) => return Err(Error::NoPatchesWanted),
         Resolution::Patches(wanted) => find_size(&bench, wanted)?,
     };
@@ -44,6 +50,15 @@ pub fn voxel_simplify(scene: &Scene, params: &Params, progress: &dyn Progress) -
     let patches = compose(&trial.draft.patches, &trial.owner);
     let report = report(&surface, emitted_flux(&surface, &surfaces), &trial, &patches, attempts, params);
     Ok((patches, report))
+}
+
+/// Refuses voxels that could only be a mistake.
+fn check_proportion(voxel: f32, surface: &Surface) -> Result<(), Error> {
+    let extent = (surface.upper - surface.lower).max_element() as f32;
+    match voxel.is_finite() && voxel > MOST_EXTENTS * extent {
+        true => Err(Error::VoxelTooLarge { voxel, extent }),
+        false => Ok(()),
+    }
 }
 
 /// The voxel size that comes nearest to `wanted` patches. Once small patches crowd out the others they are gathered.

@@ -57,6 +57,24 @@ fn voxels_beyond_what_a_cell_number_holds_are_refused_with_one_that_would_do() {
 }
 
 #[test]
+fn voxels_far_larger_than_the_scene_are_refused_with_its_size() {
+    let scene = furnished().scene();
+    let extent = (0..3).map(|a| {
+        let along = scene.mesh.positions.iter().map(|p| p[a]);
+        along.clone().fold(f32::MIN, f32::max) - along.fold(f32::MAX, f32::min)
+    });
+    let extent = extent.fold(0.0, f32::max);
+    for voxel in [101.0 * extent, 1e30] {
+        let message = refusal(&scene, &at_voxel(voxel));
+        let found =
+            format!("voxels of {voxel} m are more than 100 times as large as the scene, which is {extent} m long");
+        says(&message, &[&found, "use voxels well below", "or give a number of patches"]);
+    }
+    let (patches, _) = common::simplify(&scene, 99.0 * extent);
+    assert!(!patches.is_empty(), "one voxel around everything is coarse, but no mistake");
+}
+
+#[test]
 fn voxels_that_would_not_fit_into_memory_are_refused_with_one_that_would_do() {
     let scene = furnished().scene();
     let message = refusal(&scene, &at_voxel(1e-4));
