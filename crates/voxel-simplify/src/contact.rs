@@ -15,6 +15,7 @@
 use glam::DVec3;
 
 use crate::{
+    boxes::{Box3, close_pairs},
     clip::{Clip, Edge},
     surface::Surface,
 };
@@ -22,6 +23,8 @@ use crate::{
 /// Pieces that are paired with one piece along one edge; more meet through each other.
 const MOST_ON_AN_EDGE: usize = 16;
 
+/// Largest tolerance for the place of an edge, as a part of its length.
+const MOST_OF_EDGE: f64 = 0.05;
 /// Cosine of 50°: pieces that face apart by less go on in each other, others stand on each other.
 const GOES_ON: f64 = 0.643;
 
@@ -47,6 +50,12 @@ struct Segment {
     piece: u32,
     from: DVec3,
     to: DVec3,
+}
+
+impl Box3 {
+    fn around(s: &Segment, pad: f64) -> Box3 {
+        Box3 { low: s.from.min(s.to) - pad, high: s.from.max(s.to) + pad }
+    }
 }
 
 impl Segment {
@@ -75,7 +84,7 @@ pub fn contacts(surface: &Surface, pieces: &[&Clip], tolerance: f64) -> Vec<Cont
             }));
         }
     }
-    meet_in_space(shared, tolerance, &mut contacts);
+    meet_in_space(&shared, tolerance, &mut contacts);
     cut_below_walls(surface, pieces, &contacts, tolerance)
 }
 
@@ -95,23 +104,16 @@ fn segments(surface: &Surface, pieces: &[&Clip]) -> Vec<Segment> {
     segments
 }
 
-/// Finds edges that lie on each other though their vertices differ, at least one of them alone, by a sweep along x.
-fn meet_in_space(mut edges: Vec<&[Segment]>, tolerance: f64, contacts: &mut Vec<Contact>) {
-    let low = |edge: &[Segment]| edge[0].from.x.min(edge[0].to.x);
-    edges.sort_by(|s, t| low(s).total_cmp(&low(t)).then(s[0].piece.cmp(&t[0].piece)));
-    for (i, first) in edges.iter().enumerate() {
-        let (from, to) = (first[0].from, first[0].to);
-        let (floor, reach) = (from.min(to) - tolerance, from.max(to) + tolerance);
-        for second in edges[i + 1..].iter().take_while(|t| low(t) <= reach.x) {
-            let (from, to) = (second[0].from, second[0].to);
-            let apart = from.min(to).cmpgt(reach).any() || from.max(to).cmplt(floor).any();
-            if apart || (first.len() > 1 && second.len() > 1) {
-                continue;
-            }
-            for s in first.iter().take(MOST_ON_AN_EDGE) {
-                let others = second.iter().take(MOST_ON_AN_EDGE).filter(|t| t.piece != s.piece);
-                contacts.extend(others.filter_map(|t| meet(s, t, tolerance)));
-            }
+/// Finds edges that lie on each other though their vertices differ, at least one of them alone.
+fn meet_in_space(edges: &[&[Segment]], tolerance: f64, contacts: &mut Vec<Contact>) {
+    // Half on either side, so boxes overlap where segments lie within the tolerance of each other.
+    let pad = |s: &Segment| 0.5 * tolerance.min(MOST_OF_EDGE * s.length());
+    let boxes: Vec<Box3> = edges.iter().map(|e| Box3::around(&e[0], pad(&e[0]))).collect();
+    let one_alone = |i: usize, j: usize| edges[i].len() == 1 || edges[j].len() == 1;
+    for (i, j) in close_pairs(&boxes, one_alone) {
+        for s in edges[i].iter().take(MOST_ON_AN_EDGE) {
+            let others = edges[j].iter().take(MOST_ON_AN_EDGE).filter(|t| t.piece != s.piece);
+            contacts.extend(others.filter_map(|t| meet(s, t, tolerance)));
         }
     }
 }
@@ -124,8 +126,14 @@ fn meet(s: &Segment, t: &Segment, tolerance: f64) -> Option<Contact> {
     Some(Contact { a: first.piece, b: second.piece, turned, length: ends[0].distance(ends[1]), ends })
 }
 
-/// What two segments have in common, if that is more than the tolerance.
+/// What two segments have in common, if that is more than the tolerance. For short ones that is a part of their length.
 fn overlap(s: [DVec3; 2], t: [DVec3; 2], tolerance: f64) -> Option<[DVec3; 2]> {
+    let (d, e) = (s[1] - s[0], t[1] - t[0]);
+    let (longer, shorter) = (d.length_squared().max(e.length_squared()), d.length_squared().min(e.length_squared()));
+    let tolerance = tolerance.min(MOST_OF_EDGE * shorter.sqrt());
+    if d.cross(e).length_squared() > 4.0 * tolerance * tolerance * longer {
+        return None; // not parallel enough for both ends of the shorter to lie on the longer
+    }
     let length = |s: [DVec3; 2]| s[0].distance(s[1]);
     let (long, short) = if length(s) >= length(t) { (s, t) } else { (t, s) };
     let along = (long[1] - long[0]) / length(long);
@@ -133,8 +141,7 @@ fn overlap(s: [DVec3; 2], t: [DVec3; 2], tolerance: f64) -> Option<[DVec3; 2]> {
     let off = |p: DVec3| (p - long[0] - place(p) * along).length();
     let (x, y) = (place(short[0]), place(short[1]));
     let (low, high) = (x.min(y).max(0.0), x.max(y).min(length(long)));
-    let least = (2.0 * tolerance).min(0.5 * length(short));
-    let common = off(short[0]) <= tolerance && off(short[1]) <= tolerance && high - low > least;
+    let common = off(short[0]) <= tolerance && off(short[1]) <= tolerance && high - low > 2.0 * tolerance;
     common.then_some([long[0] + low * along, long[0] + high * along])
 }
 
@@ -147,12 +154,20 @@ fn cut_below_walls(surface: &Surface, pieces: &[&Clip], contacts: &[Contact], to
         standing[c.a as usize].push((c.b, c.ends));
         standing[c.b as usize].push((c.a, c.ends));
     }
+    for walls in &mut standing {
+        walls.sort_by_key(|(wall, _)| *wall);
+    }
     let covers = |c: &Contact, ends: [DVec3; 2]| {
         overlap(ends, c.ends, tolerance).is_some_and(|common| common[0].distance(common[1]) >= 0.5 * c.length)
     };
+    let on = |piece: u32, wall: u32| {
+        let walls = &standing[piece as usize];
+        let first = walls.partition_point(|(w, _)| *w < wall);
+        walls[first..].iter().take_while(move |(w, _)| *w == wall).map(|(_, ends)| *ends)
+    };
     let is_cut = |c: &Contact| {
-        let mut walls = standing[c.a as usize].iter().filter(|(_, ends)| covers(c, *ends)).map(|(wall, _)| *wall);
-        walls.any(|wall| standing[c.b as usize].iter().any(|&(other, ends)| other == wall && covers(c, ends)))
+        let mut walls = standing[c.a as usize].iter();
+        walls.any(|&(wall, ends)| on(c.b, wall).any(|other| covers(c, other)) && covers(c, ends))
     };
     contacts.iter().filter(|c| !goes_on(c) || !is_cut(c)).copied().collect()
 }

@@ -14,6 +14,7 @@
 mod air;
 mod assemble;
 mod attributes;
+mod boxes;
 mod clip;
 mod contact;
 mod draft;
