@@ -3,7 +3,7 @@
 # Options of a stage go into a variable of its name:
 #   make bake SCENE=room.glb VOXEL_SIMPLIFY="--patches 3000" FORMFACTOR="--rays 1024"
 # Each stage leaves one .rad file and its report in $(BAKE_DIR). Touching one reruns what depends on it,
-# and so does another value of its variable.
+# and so does another value of its variable. The path of a scene must not hold spaces.
 
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
@@ -15,7 +15,7 @@ export XDG_RUNTIME_DIR ?= /tmp
 ALLBOUNCE := target/release/allbounce
 
 help:
-	@sed -n 's/^# //p' Makefile | head -7
+	@sed -n '1,/^$$/s/^#\( \|$$\)//p' Makefile
 
 setup:
 	@./setup.sh
@@ -43,10 +43,16 @@ stage = $(ALLBOUNCE) $(1) $(2) -o $@ $(3) --report $(@:.rad=.json)
 # A file that changes only when the options of a stage do: $(call remember,options)
 remember = @mkdir -p $(@D); echo '$(1)' | cmp -s - $@ || echo '$(1)' > $@
 
+# Files beside the scene that it may name: a change of one may change the scene. Folders below are not watched.
+BESIDE = $(foreach kind,mtl bin png jpg jpeg,$(wildcard $(dir $(SCENE))*.$(kind)))
+
+# The program is an order-only prerequisite (after the bar): it is brought up to date first, but a new build
+# of it does not outdate a bake, so that working on one stage does not rebake every scene. After a change
+# of a stage, remove what it made, or the folder of the bake.
 ifneq ($(SCENE),)
 bake: $(BAKE_DIR)/6-transfer.rad
 
-$(BAKE_DIR)/1-voxel-simplify.rad: $(SCENE) $(BAKE_DIR)/.voxel-simplify | build
+$(BAKE_DIR)/1-voxel-simplify.rad: $(SCENE) $(BESIDE) $(BAKE_DIR)/.voxel-simplify | build
 	$(call stage,voxel-simplify,$(SCENE),$(VOXEL_SIMPLIFY))
 $(BAKE_DIR)/2-formfactor.rad: $(BAKE_DIR)/1-voxel-simplify.rad $(BAKE_DIR)/.formfactor | build
 	$(call stage,formfactor,$<,$(FORMFACTOR))
@@ -59,8 +65,9 @@ $(BAKE_DIR)/5-dxt-pack.rad: $(BAKE_DIR)/4-permute.rad $(BAKE_DIR)/.dxt-pack | bu
 $(BAKE_DIR)/6-transfer.rad: $(BAKE_DIR)/5-dxt-pack.rad $(BAKE_DIR)/.transfer | build
 	$(call stage,transfer,$<,$(TRANSFER))
 
+# Scenes of the same name in different folders share a folder here, so the path is remembered, too.
 $(BAKE_DIR)/.voxel-simplify: FORCE
-	$(call remember,$(VOXEL_SIMPLIFY))
+	$(call remember,$(SCENE) $(VOXEL_SIMPLIFY))
 $(BAKE_DIR)/.formfactor: FORCE
 	$(call remember,$(FORMFACTOR))
 $(BAKE_DIR)/.series: FORCE
