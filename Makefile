@@ -115,8 +115,8 @@ look = --lights assets/$(1)/$(firstword $(subst -, ,$(2))).json \
 test: setup
 	cargo fmt --all --check
 	cargo test --release --workspace
-	cargo build --release -p allbounce --no-default-features --target-dir target/no-gpu
 	cargo clippy --release --workspace --all-targets -- -D warnings
+	cargo clippy --release -p allbounce --no-default-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps
 
 clean:

@@ -54,7 +54,7 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     inputs.extend(args.points.iter().map(|p| ("the points", p.as_path())));
     files::check_outputs(&session.outputs(&args.output), &inputs)?;
     let bake = Bake::open(&args.bake)?;
-    let rig = args.light.rig(&bake.scene, session)?;
+    let rig = args.light.rig(&bake, session)?;
     let named = || args.bake.display().to_string();
     if args.bounces.is_some() && !bake.container.has("formfactor.values") {
         bail!(

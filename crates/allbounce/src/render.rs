@@ -66,7 +66,7 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let pixels = u64::from(args.width) * u64::from(args.height);
     session.ask_memory("the picture", pixels * BYTES_A_PIXEL, "make it smaller (--width, --height)")?;
     let bake = Bake::open(&args.bake)?;
-    let rig = args.light.rig(&bake.scene, session)?;
+    let rig = args.light.rig(&bake, session)?;
     let camera = runtime::camera(&args.camera, &bake.scene)?;
     let (image, backend) = match args.light.backend {
         Backend::Cpu => (on_cpu(args, &bake, &rig, &camera, session)?, "cpu".to_owned()),

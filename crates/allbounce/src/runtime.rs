@@ -44,6 +44,18 @@ impl Bake {
     }
 }
 
+/// Share of the surface above which emitting materials are more than lamps.
+const LARGE_GLOW: f64 = 0.03;
+
+/// Share of the patches' area that emits.
+fn glowing_share(bake: &Bake) -> f64 {
+    let area = |emitting: bool| -> f64 {
+        let counts = |i: &usize| !emitting || bake.patches.emission[*i] != [0.0; 3];
+        (0..bake.patches.len()).filter(counts).map(|i| f64::from(bake.patches.area[i])).sum()
+    };
+    area(true) / area(false)
+}
+
 /// Said where an answer is not finite.
 pub const TOO_BRIGHT: &str = "the lights are too bright for single precision; lower their intensities";
 
@@ -98,11 +110,14 @@ impl LightOptions {
     }
 
     /// Reads the lights file, or takes the scene's own lights; warns where nothing can shine.
-    pub fn rig(&self, scene: &Scene, session: &Session) -> anyhow::Result<LightRig> {
-        let rig = self.read(scene)?;
-        let emits = scene.materials.materials.iter().any(|m| m.emission.iter().any(|&e| e > 0.0));
+    pub fn rig(&self, bake: &Bake, session: &Session) -> anyhow::Result<LightRig> {
+        let rig = self.read(&bake.scene)?;
+        let emits = bake.scene.materials.materials.iter().any(|m| m.emission.iter().any(|&e| e > 0.0));
         if rig.lights.is_empty() && !(rig.use_scene_emission && emits) {
             session.warn("there are no lights, and no emitting material is used: every answer is dark");
+        }
+        if self.backend == Backend::Gpu && rig.use_scene_emission && glowing_share(bake) > LARGE_GLOW {
+            session.warn("large surfaces emit, which the GPU samples at 64 points in all; near them use --backend cpu");
         }
         Ok(rig)
     }
