@@ -7,11 +7,29 @@ pub mod mesh_text;
 pub mod program;
 pub mod reference;
 
-use std::path::PathBuf;
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+};
 
 /// Root of the workspace.
 pub fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the workspace").to_owned()
+}
+
+/// A bundled file as an argument of the program.
+pub fn asset(path: &str) -> String {
+    text(&root().join("assets").join(path))
+}
+
+/// A path as an argument of the program.
+pub fn text(path: &Path) -> String {
+    path.to_str().expect("UTF-8").to_owned()
+}
+
+/// Says that a test is skipped, past the capture of passing tests' output, which swallows what `println!` prints.
+pub fn skipped(reason: &str) {
+    writeln!(std::io::stderr(), "skipped: {reason}").expect("standard error");
 }
 
 /// Every bundled file that is generated: path below the root, contents.

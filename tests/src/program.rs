@@ -47,7 +47,12 @@ pub struct Run {
 
 /// Runs the program with arguments.
 pub fn allbounce<S: AsRef<OsStr>>(args: impl IntoIterator<Item = S>) -> Run {
-    let output = Command::new(program()).args(args).output().expect("the program starts");
+    answered(Command::new(program()).args(args))
+}
+
+/// Runs a command that was prepared and collects what it answers.
+pub fn answered(command: &mut Command) -> Run {
+    let output = command.output().expect("the program starts");
     Run {
         code: output.status.code(),
         stdout: String::from_utf8_lossy(&output.stdout).into_owned(),

@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::root;
+use crate::{root, skipped};
 
 /// A file of the reference folder, or `None` with a printed reason.
 pub fn shared(path: &str) -> Option<PathBuf> {
@@ -13,7 +13,7 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     if file.exists() {
         return Some(file);
     }
-    eprintln!("skipped: {} is not on this machine", file.display());
+    skipped(&format!("the reference data {path} is not beside this checkout"));
     None
 }
 

@@ -19,11 +19,16 @@ fn cargo(args: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("cargo speaks UTF-8")
 }
 
-/// Names of the packages that a crate of ours depends on, without dev-dependencies.
-fn dependencies(package: &str) -> BTreeSet<String> {
+/// The members of the workspace.
+fn packages() -> Vec<Value> {
     let metadata = cargo(&["metadata", "--format-version", "1", "--no-deps", "--offline"]);
     let metadata: Value = serde_json::from_str(&metadata).expect("JSON");
-    let packages = metadata["packages"].as_array().expect("packages");
+    metadata["packages"].as_array().expect("packages").clone()
+}
+
+/// Names of the packages that a crate of ours depends on, without dev-dependencies.
+fn dependencies(package: &str) -> BTreeSet<String> {
+    let packages = packages();
     let found = packages.iter().find(|p| p["name"] == package).unwrap_or_else(|| panic!("no crate {package}"));
     let normal = found["dependencies"].as_array().expect("dependencies").iter().filter(|d| d["kind"].is_null());
     normal.map(|d| d["name"].as_str().expect("a name").to_owned()).collect()
@@ -52,9 +57,9 @@ fn sources() -> Vec<(PathBuf, String)> {
     files
 }
 
-/// Source text without comments and without test modules at the end of a file.
+/// Source text without comments and without the test module at the end of a file.
 fn code(text: &str) -> String {
-    let text = text.split("#[cfg(test)]").next().unwrap_or("");
+    let text = text.split("#[cfg(test)]\nmod tests").next().unwrap_or("");
     text.lines().map(|l| l.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n")
 }
 
@@ -100,7 +105,6 @@ fn without_the_gpu_feature_no_wgpu_is_pulled_in() {
 #[test]
 fn only_the_command_line_prints_and_only_it_and_radfile_touch_files() {
     let printing = ["println!", "eprintln!", "print!(", "eprint!(", "dbg!("];
-    let files = ["std::fs", "File::open", "File::create", "tempfile"];
     let touches_files = [
         Path::new("crates/radfile/src/builder.rs"),
         Path::new("crates/radfile/src/container.rs"),
@@ -112,9 +116,50 @@ fn only_the_command_line_prints_and_only_it_and_radfile_touch_files() {
         }
         let code = code(&text);
         assert!(!printing.iter().any(|p| code.contains(p)), "{} prints", path.display());
-        let io = files.iter().any(|f| code.contains(f)) && !touches_files.contains(&path.as_path());
-        assert!(!io, "{} touches files", path.display());
+        let way = way_to_files(&code);
+        assert!(way.is_none() || touches_files.contains(&path.as_path()), "{} has {way:?}", path.display());
     }
+}
+
+/// What in a source text reaches for files, if anything does.
+fn way_to_files(code: &str) -> Option<&'static str> {
+    let calls = [
+        "std::fs",
+        "File::open",
+        "File::create",
+        "tempfile",
+        "image::open",
+        "ImageReader::open",
+        "tobj::load_obj(",
+        "memmap2::",
+    ];
+    let of_a_word = |start: usize| code[..start].chars().next_back().is_some_and(|c| c.is_alphanumeric() || c == '_');
+    let module = code.match_indices("fs::").any(|(start, _)| !of_a_word(start)).then_some("fs::");
+    // A list of imports, `use std::{…, fs, …};`.
+    let lists = code.split("use std::{").skip(1).map(|rest| rest.split(';').next().unwrap_or(""));
+    let mut names = lists.flat_map(|list| list.split(|c: char| !(c.is_alphanumeric() || c == '_')));
+    let imported = names.any(|name| name == "fs").then_some("use std::{fs}");
+    calls.into_iter().find(|call| code.contains(call)).or(module).or(imported)
+}
+
+#[test]
+fn every_way_to_files_is_seen() {
+    for code in [
+        "use std::{\n    collections::HashMap,\n    fs,\n};",
+        "use std::{fs::File, path::Path};",
+        "let bytes = fs::read(path)?;",
+        "std::fs::read(path)",
+        "image::open(path)",
+        "tobj::load_obj(path, &options)",
+        "memmap2::Mmap::map(&file)",
+    ] {
+        assert!(way_to_files(code).is_some(), "{code}");
+    }
+    for code in ["use std::{fmt, path::Path};", "prefs::read()", "tobj::load_obj_buf(text)", "let fs = 3;"] {
+        assert_eq!(way_to_files(code), None, "{code}");
+    }
+    let middle = "fn a() {}\n#[cfg(test)]\nfn b() {}\nfn c() { fs::read(p) }\n#[cfg(test)]\nmod tests { std::fs }";
+    assert_eq!(way_to_files(&code(middle)), Some("fs::"), "code after a single test item is still code");
 }
 
 #[test]
@@ -136,4 +181,37 @@ fn every_room_of_the_architecture_page_exists() {
     for word in page.split(['`', ' ', ';', ',']).filter(|w| w.starts_with("crates/") && !w.contains('{')) {
         assert!(root().join(word).exists(), "ARCHITECTURE.md names {word}");
     }
+}
+
+#[test]
+fn decisions_are_numbered_without_gaps() {
+    let folder = std::fs::read_dir(root().join("docs/decisions")).expect("docs/decisions");
+    let names = folder.map(|e| e.expect("an entry").file_name().into_string().expect("UTF-8"));
+    let mut numbers: Vec<usize> = names
+        .map(|name| {
+            let number = name.split_once('-').filter(|(digits, _)| digits.len() == 4).and_then(|(d, _)| d.parse().ok());
+            assert!(name.ends_with(".md") && number.is_some(), "{name} is not called like 0001-a-title.md");
+            number.unwrap_or_default()
+        })
+        .collect();
+    numbers.sort_unstable();
+    assert!(!numbers.is_empty());
+    assert_eq!(numbers, (1..=numbers.len()).collect::<Vec<_>>());
+}
+
+#[test]
+fn every_dependency_of_the_workspace_is_used_by_a_member() {
+    let manifest = std::fs::read_to_string(root().join("Cargo.toml")).expect("Cargo.toml");
+    let (_, table) = manifest.split_once("[workspace.dependencies]\n").expect("the table");
+    let keys = table.lines().take_while(|line| !line.starts_with('[')).filter(|line| !line.starts_with('#'));
+    let offered: BTreeSet<&str> = keys.filter_map(|line| Some(line.split_once(" = ")?.0)).collect();
+    assert!(offered.len() > 20, "{offered:?}");
+    let packages = packages();
+    let used: BTreeSet<&str> = packages
+        .iter()
+        .flat_map(|p| p["dependencies"].as_array().expect("dependencies"))
+        .map(|d| d["name"].as_str().expect("a name"))
+        .collect();
+    let idle: Vec<&&str> = offered.difference(&used).collect();
+    assert!(idle.is_empty(), "no member uses {idle:?}");
 }

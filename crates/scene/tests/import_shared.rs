@@ -1,4 +1,4 @@
-//! Every scene of the shared test data does what `../shared/scenes/README.md` wants of it.
+//! Every scene of the reference data does what its authors want of it.
 //! The data is not part of the repository: without it these tests say so and pass.
 
 mod import_support;

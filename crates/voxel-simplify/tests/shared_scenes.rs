@@ -1,6 +1,9 @@
 //! The scenes that developers share: counts, conservation and cost.
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+};
 
 use radfile::Quiet;
 use scene::{Folder, ImportOptions, Scene, import};
@@ -22,7 +25,9 @@ impl Folder for Disk {
 fn shared(name: &str) -> Option<Scene> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes").join(name);
     if !path.exists() {
-        eprintln!("skipped: {name} is not there");
+        // Not eprintln!, whose lines are swallowed when a test passes.
+        writeln!(std::io::stderr(), "skipped: the reference data {name} is not beside this checkout")
+            .expect("standard error");
         return None;
     }
     let folder = Disk(path.parent().expect("in a folder").to_owned());

@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "every test binary uses its own part")]
 
+use std::io::Write;
+
 use glam::Vec3;
 use gpu_runtime::Gpu;
 use radfile::{
@@ -12,7 +14,8 @@ use scene::Scene;
 /// The adapter under test; its absence is a failure unless ALLBOUNCE_GPU=skip.
 pub fn gpu() -> Option<Gpu> {
     if std::env::var("ALLBOUNCE_GPU").as_deref() == Ok("skip") {
-        println!("gpu: skipped, ALLBOUNCE_GPU=skip");
+        // Not println!, whose lines are swallowed when a test passes.
+        writeln!(std::io::stderr(), "skipped: ALLBOUNCE_GPU=skip leaves the device tests out").expect("standard error");
         return None;
     }
     let gpu = Gpu::new().expect("a GPU or a software Vulkan driver; ALLBOUNCE_GPU=skip leaves these tests out");

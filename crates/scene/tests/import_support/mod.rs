@@ -1,7 +1,10 @@
 //! What the import tests share: folders in memory and on disk, small images and glTF files made on the spot.
 #![allow(dead_code)] // each test program uses its part
 
-use std::path::{Path, PathBuf};
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+};
 
 use scene::{Folder, ImportOptions, ImportReport, Scene, import};
 use serde_json::{Value, json};
@@ -52,7 +55,9 @@ impl Folder for Disk {
 pub fn shared(part: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared").join(part);
     if !path.is_dir() {
-        println!("skipped: the test data in ../shared/{part} is not here");
+        // Not println!, whose lines are swallowed when a test passes.
+        writeln!(std::io::stderr(), "skipped: the reference data {part} is not beside this checkout")
+            .expect("standard error");
         return None;
     }
     Some(path)

@@ -1,0 +1,128 @@
+//! `allbounce verify` tells sound containers from ones whose numbers were altered.
+
+use std::{
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+use allbounce_tests::{
+    asset,
+    program::{Run, allbounce, program},
+    text,
+};
+use radfile::{Builder, Container, FLAG_PATCH_ORDER, FLAG_REQUIRED};
+
+fn bake(folder: &Path, name: &str, extra: &[&str]) -> PathBuf {
+    let (output, scene) = (folder.join(name), asset("cornell/cornell.obj"));
+    let file = text(&output);
+    let args = ["bake", &scene, "-o", &file, "--patches", "200", "--rays", "256", "-q"];
+    allbounce(args.iter().chain(extra)).done();
+    output
+}
+
+fn verify(file: &Path) -> Run {
+    allbounce(["verify", &text(file)])
+}
+
+/// A copy of the container in which one array of f32 was altered.
+fn altered(file: &Path, section: &str, alter: impl FnOnce(&mut [f32])) -> PathBuf {
+    let container = Container::open(file).expect("a container");
+    let found = container.section(section).expect("the section").clone();
+    let shape: Vec<usize> = found.shape.iter().map(|&e| e as usize).collect();
+    let mut values = container.array::<f32>(section, shape.len()).expect("numbers").0.to_vec();
+    alter(&mut values);
+    let mut builder = Builder::from_input(&container, |_| true);
+    builder.array(section, found.flags, &shape, values);
+    written(&builder, file)
+}
+
+fn written(builder: &Builder, beside: &Path) -> PathBuf {
+    let path = beside.with_file_name("altered.rad");
+    builder.write_file(&path).expect("a file");
+    path
+}
+
+/// Asserts that exactly the identities that start so fail, and that the program says so.
+#[track_caller]
+fn fails(file: &Path, expected: &[&str]) {
+    let run = verify(file);
+    let failed: Vec<&str> = run.stdout.lines().filter_map(|line| line.strip_prefix("FAILS  ")).collect();
+    assert_eq!(failed.len(), expected.len(), "{run:?}");
+    for (line, start) in failed.iter().zip(expected) {
+        assert!(line.starts_with(start), "{line}");
+    }
+    run.refused(&["altered.rad", "identities do not hold"]);
+}
+
+#[test]
+fn altered_form_factors_operators_textures_and_weights_are_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sound = bake(folder.path(), "sound.rad", &["--keep-dense"]);
+    let copy = altered(&sound, "series.values", |_| {});
+    assert_eq!(verify(&copy).done().stdout.matches("holds").count(), 9, "a copy is as sound as the bake");
+
+    let n = Container::open(&sound).expect("a container").array::<f32>("patches.area", 1).expect("areas").0.len();
+    let pair = |values: &[f32]| (0..n * n).find(|at| at / n != at % n && values[*at] > 1e-3).expect("two that meet");
+
+    let one_way = altered(&sound, "series.values", |k| k[pair(k)] *= 1.0001);
+    fails(&one_way, &["the operator is symmetric"]);
+    let brighter = altered(&sound, "series.values", |k| k.iter_mut().for_each(|k| *k *= 1.001));
+    fails(&brighter, &["furnace identity of the dense operator"]);
+    let darker = altered(&sound, "series.values", |k| k.fill(0.0));
+    fails(&darker, &["all bounces are at least one bounce", "furnace identity of the dense operator"]);
+
+    let one_way = altered(&sound, "formfactor.values", |f| f[pair(f)] *= 0.999);
+    let after = ["reciprocity", "furnace identity of the dense operator"];
+    fails(&one_way, &after[..]);
+    let dim = altered(&sound, "formfactor.values", |f| f.iter_mut().for_each(|f| *f *= 0.99));
+    fails(&dim, &["rows of F and the sky reach 1", "furnace identity of the dense operator"]);
+    let windows = altered(&sound, "formfactor.sky", |sky| sky.fill(0.5));
+    fails(&windows, &["rows of F and the sky do not exceed 1", "rows of F and the sky reach 1"]);
+
+    // Within what a reader accepts, so that it is this program that finds it; beyond that the reader does.
+    let heavier = altered(&sound, "transfer.weight", |w| w.iter_mut().for_each(|w| *w *= 1.00009));
+    verify(&heavier).done();
+    let lighter = altered(&sound, "transfer.weight", |w| w.iter_mut().for_each(|w| *w *= 0.9995));
+    fails(&lighter, &["transfer weights of a receiver sum to 1"]);
+    let halved = altered(&sound, "transfer.weight", |w| w.iter_mut().for_each(|w| *w *= 0.5));
+    verify(&halved).refused(&["altered.rad", "the weights of receiver 0 sum to 0.5"]);
+
+    let container = Container::open(&sound).expect("a container");
+    let (blocks, shape) = container.array::<u8>("pack.blocks", 2).expect("blocks");
+    let mut builder = Builder::from_input(&container, |_| true);
+    let shape = [shape[0] as usize, shape[1] as usize];
+    builder.array("pack.blocks", FLAG_REQUIRED | FLAG_PATCH_ORDER, &shape, vec![0u8; blocks.len()]);
+    fails(&written(&builder, &sound), &["furnace identity of the packed operator"]);
+}
+
+#[test]
+fn what_cannot_be_checked_is_said() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let two = bake(folder.path(), "two.rad", &["--keep-dense", "--bounces", "2"]);
+    let shown = verify(&two).done().stdout;
+    let line = "skipped  furnace identity: the operator holds 2 bounces only";
+    assert_eq!(shown.lines().filter(|l| *l == line).count(), 2, "dense and packed: {shown}");
+
+    let packed = verify(&bake(folder.path(), "fronts.rad", &["--one-sided"])).done().stdout;
+    assert!(
+        packed.contains("packed operator, mean over patches (checked from above only: back sides absorb)"),
+        "{packed}"
+    );
+    let dense = verify(&bake(folder.path(), "fronts.rad", &["--one-sided", "--keep-dense"])).done().stdout;
+    assert!(!dense.contains("from above") && !dense.contains("reach 1"), "F says what the backs absorb: {dense}");
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bake = bake(folder.path(), "bake.rad", &[]);
+    let mut child = Command::new(program())
+        .args(["verify", &text(&bake)])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdout.take()); // as `| true` does
+    let output = child.wait_with_output().expect("the program ends");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+}
