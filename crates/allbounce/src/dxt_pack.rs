@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use radfile::{BlockFormat, Container, PackedOperator, Progress, Record, Sink, Step};
+use clap::builder::PossibleValuesParser;
+use dxt_pack::{MapKind, Params};
+use radfile::{Container, PackedOperator, Progress, Record, Sink, Step};
 
 use crate::{
     files, numbers,
@@ -26,9 +28,10 @@ pub struct Args {
 /// Options of this stage.
 #[derive(clap::Args)]
 pub struct Options {
-    /// Block format and value map
-    #[arg(long, value_enum, default_value = "bc4-sqrt")]
-    format: Format,
+    /// As published: logarithm, three channels in one BC1 texture (paper); logarithm or square root, one BC4
+    /// texture a channel (bc4-log, bc4-sqrt)
+    #[arg(long, default_value = "bc4-sqrt", value_parser = PossibleValuesParser::new(Params::PRESETS.map(|(name, _)| name)))]
+    format: String,
     /// Share of the values that are kept apart as they are too large for the map [0..=1]
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = numbers::share)]
     outliers: f64,
@@ -40,31 +43,11 @@ pub struct Options {
     keep_dense: bool,
 }
 
-#[derive(Clone, Copy, clap::ValueEnum)]
-enum Format {
-    /// As published: logarithm, three channels in one BC1 texture
-    Paper,
-    /// Logarithm, one BC4 texture a channel
-    Bc4Log,
-    /// Square root, one BC4 texture a channel
-    Bc4Sqrt,
-}
-
 impl Options {
-    fn params(&self) -> dxt_pack::Params {
-        let (format, map) = match self.format {
-            Format::Paper => (BlockFormat::Bc1, dxt_pack::MapKind::Log),
-            Format::Bc4Log => (BlockFormat::Bc4, dxt_pack::MapKind::Log),
-            Format::Bc4Sqrt => (BlockFormat::Bc4, dxt_pack::MapKind::Sqrt),
-        };
-        dxt_pack::Params {
-            format,
-            map,
-            outliers: self.outliers,
-            shift: self.shift,
-            keep_dense: self.keep_dense,
-            ..dxt_pack::Params::default()
-        }
+    fn params(&self) -> Params {
+        let named = Params::PRESETS.into_iter().find(|(name, _)| *name == self.format);
+        let preset = named.map_or_else(Params::default, |(_, preset)| preset);
+        Params { outliers: self.outliers, shift: self.shift, keep_dense: self.keep_dense, ..preset }
     }
 }
 
@@ -73,12 +56,10 @@ impl Stage for Options {
     type Report = dxt_pack::Report;
 
     fn text(&self) -> String {
-        let name =
-            clap::ValueEnum::to_possible_value(&self.format).map_or_else(String::new, |v| v.get_name().to_owned());
-        let shift =
-            if matches!(self.format, Format::Bc4Sqrt) { String::new() } else { format!(" --shift {}", self.shift) };
+        let logarithmic = self.params().map == MapKind::Log;
+        let shift = if logarithmic { format!(" --shift {}", self.shift) } else { String::new() };
         let keep = if self.keep_dense { " --keep-dense" } else { "" };
-        format!("--format {name} --outliers {}{shift}{keep}", self.outliers)
+        format!("--format {} --outliers {}{shift}{keep}", self.format, self.outliers)
     }
 
     fn memory(&self, input: &Container) -> anyhow::Result<(u64, &'static str)> {

@@ -1,5 +1,7 @@
 //! `allbounce permute`: everything that patches index, in a better order.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use permute::Order;
 use radfile::{Container, Progress, Sink, Step};
 
 use crate::stage::{Stage, patch_count};
@@ -9,35 +11,14 @@ use crate::stage::{Stage, patch_count};
 /// Reads and rewrites patches, form factors and operator. Adds the order, new to old.
 #[derive(clap::Args)]
 pub struct Options {
-    /// Order of the patches
-    #[arg(long, value_enum, default_value = "normal-hilbert")]
-    order: OrderName,
+    /// Order of the patches. Facing first, then along a Hilbert curve; along a Hilbert or a Morton curve;
+    /// each row next to the most similar one that is left (the paper's); as voxel-simplify made them
+    #[arg(long, default_value = Order::NormalHilbert.name(), value_parser = one_of_the_orders())]
+    order: Order,
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum OrderName {
-    /// By facing, then along a Hilbert curve
-    NormalHilbert,
-    /// Along a Hilbert curve
-    Hilbert,
-    /// Along a Morton curve
-    Morton,
-    /// The paper's: each row next to the most similar one that is left
-    Greedy,
-    /// As voxel-simplify made them
-    None,
-}
-
-impl Options {
-    fn order(&self) -> permute::Order {
-        match self.order {
-            OrderName::NormalHilbert => permute::Order::NormalHilbert,
-            OrderName::Hilbert => permute::Order::Hilbert,
-            OrderName::Morton => permute::Order::Morton,
-            OrderName::Greedy => permute::Order::Greedy,
-            OrderName::None => permute::Order::None,
-        }
-    }
+fn one_of_the_orders() -> impl TypedValueParser<Value = Order> {
+    PossibleValuesParser::new(Order::ALL.map(Order::name)).try_map(|name| name.parse::<Order>())
 }
 
 impl Stage for Options {
@@ -45,9 +26,7 @@ impl Stage for Options {
     type Report = permute::Report;
 
     fn text(&self) -> String {
-        let name =
-            clap::ValueEnum::to_possible_value(&self.order).map_or_else(String::new, |v| v.get_name().to_owned());
-        format!("--order {name}")
+        format!("--order {}", self.order.name())
     }
 
     fn memory(&self, input: &Container) -> anyhow::Result<(u64, &'static str)> {
@@ -56,7 +35,7 @@ impl Stage for Options {
     }
 
     fn apply(&self, input: &Container, step: Step, p: &dyn Progress, sink: &mut Sink) -> anyhow::Result<Self::Report> {
-        let params = permute::Params { order: self.order() };
+        let params = permute::Params { order: self.order };
         Ok(permute::run(input, &params, step, p, sink)?)
     }
 }
