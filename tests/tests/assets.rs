@@ -26,3 +26,14 @@ fn no_bundled_file_is_larger_than_two_mebibytes() {
         }
     }
 }
+
+#[test]
+fn the_page_of_the_assets_counts_their_triangles_rightly() {
+    let page = std::fs::read_to_string(root().join("assets/README.md")).expect("the page");
+    for (path, text) in generated_assets().into_iter().filter(|(path, _)| path.ends_with(".obj")) {
+        let faces = text.lines().filter(|line| line.starts_with("f "));
+        let count: usize = faces.map(|face| face.split(' ').count() - 3).sum();
+        let written = if count < 1000 { count.to_string() } else { format!("{},{:03}", count / 1000, count % 1000) };
+        assert!(page.contains(&format!(" {written} triangles")), "{path} has {written} triangles");
+    }
+}

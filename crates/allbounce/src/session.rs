@@ -20,7 +20,7 @@ pub struct SessionArgs {
     /// Threads; does not change any result [default: all cores]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Memory a step may use, such as 6GiB [default: what is free]
+    /// Memory that a step with whole matrices or pictures may use, such as 6GiB [default: what is free]
     #[arg(long, global = true, value_name = "SIZE", value_parser = memory::parse)]
     memory_limit: Option<u64>,
     /// Print errors only

@@ -66,6 +66,11 @@ impl Check {
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let c = files::open(&args.file)?;
     let name = || args.file.display().to_string();
+    if c.has("pack.meta") {
+        let packing = PackedOperator::read(&c).with_context(name)?.packing;
+        let need = 4 * u64::from(packing.channels) * u64::from(packing.n).pow(2);
+        session.ask_memory("verify", need, "it decodes the whole operator; verify a bake of fewer patches")?;
+    }
     let checks = identities(&c, args.packed_tolerance).with_context(name)?;
     let mut text = String::new();
     for check in &checks {
