@@ -16,7 +16,7 @@ pub struct Options {
 
 impl Options {
     fn params(&self) -> series::Params {
-        series::Params { bounces: self.bounces }
+        self.bounces.map_or_else(series::Params::default, series::Params::first_bounces)
     }
 }
 

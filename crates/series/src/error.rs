@@ -38,6 +38,31 @@ pub enum Error {
     /// The empty sum was asked for.
     #[error("0 bounces were asked for, the operator starts with the first; ask for 1 or more, or for all")]
     NoBounces,
+    /// A sum of how many bounces?
+    #[error("{method} sums a number of bounces and was not told how many; say --bounces K, or use cholesky for all")]
+    BouncesMissing {
+        /// As the command line spells it.
+        method: &'static str,
+    },
+    /// A solver of all bounces was asked for a few.
+    #[error(
+        "{method} solves for all bounces and cannot stop after some; leave --bounces out, or use doubling or neumann"
+    )]
+    BouncesUnused {
+        /// As the command line spells it.
+        method: &'static str,
+    },
+    /// A tolerance that means nothing.
+    #[error("tolerance {found} for {method}: only cg has one, a number between 0 and 1")]
+    Tolerance {
+        /// As the command line spells it.
+        method: &'static str,
+        /// What was asked for.
+        found: f64,
+    },
+    /// For a day.
+    #[error("this method is not built yet; use cholesky or doubling in f64")]
+    NotBuilt,
     /// The series of bounces has no finite sum.
     #[error(
         "{channel}: light grows from bounce to bounce instead of fading (by {radius:.4}, must be below 1); \

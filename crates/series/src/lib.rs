@@ -19,6 +19,7 @@
 mod cholesky;
 mod error;
 mod one_bounce;
+mod params;
 mod quality;
 mod report;
 mod solve;
@@ -29,6 +30,7 @@ mod tiles;
 mod truncated;
 
 pub use error::Error;
+pub use params::{Method, Params, Precision, memory_needed};
 pub use report::{ChannelReport, PatchSum, Report};
-pub use solve::{Params, all_bounces, memory_needed};
+pub use solve::{all_bounces, solve_raw};
 pub use stage::run;

@@ -4,41 +4,14 @@ use faer::Accum;
 use radfile::{FormFactors, Operator, Patches, Progress};
 
 use crate::{
-    ChannelReport, Error, PatchSum, Report, cholesky,
+    ChannelReport, Error, Method, Params, PatchSum, Precision, Report, cholesky,
     one_bounce::{self, OneBounce},
     quality::{self, Furnace},
     spectrum,
     store::store,
-    tiles::{Grid, Lower, Panels},
+    tiles::{Lower, Panels},
     truncated::{self, Scratch},
 };
-
-/// What to compute.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Params {
-    /// Highest bounce that is in the sum, 1 or more; `None` solves for all of them.
-    pub bounces: Option<u32>,
-}
-
-impl Params {
-    /// Bytes that [`all_bounces`] takes besides its inputs, its result included.
-    pub fn memory_needed(&self, n: usize, channels: usize) -> u64 {
-        if n == 0 {
-            return 0;
-        }
-        let grid = Grid::new(n);
-        let lower = 8 * (grid.lower().len() * grid.tile_size()) as u64;
-        let panels = 8 * (grid.padded() as u64).pow(2);
-        let result = 4 * (channels * n * n) as u64;
-        let truncation = if self.bounces.is_some() { lower + panels } else { 0 };
-        result + 2 * lower + panels + truncation
-    }
-}
-
-/// Bytes that [`all_bounces`] takes to solve for all bounces; see [`Params::memory_needed`] for a number of them.
-pub fn memory_needed(n: usize, channels: usize) -> u64 {
-    Params::default().memory_needed(n, channels)
-}
 
 /// Computes K for every channel: what each patch receives from each other after all bounces, scaled by areas.
 ///
@@ -76,9 +49,10 @@ pub fn all_bounces(
     params: &Params,
     progress: &dyn Progress,
 ) -> Result<(Operator<'static>, Report), Error> {
+    params.check()?;
     one_bounce::check(patches, factors)?;
-    if params.bounces == Some(0) {
-        return Err(Error::NoBounces);
+    if !matches!(params.method, Method::Cholesky | Method::Doubling) || params.precision == Precision::F32 {
+        return Err(Error::NotBuilt);
     }
     let n = patches.len();
     let names: &[&'static str] = if patches.is_grey() { &["grey"] } else { &["red", "green", "blue"] };
@@ -199,4 +173,28 @@ impl<'a> Solver<'a> {
         let product = t * t * (t + 1) / 2;
         factor + self.params.bounces.map_or(2, truncated::product_count) * product
     }
+}
+
+/// K of one channel from any form factors, physical or not, with whatever negative light comes out.
+///
+/// This is for studying where methods fail; [`all_bounces`] is for scenes. `f` may hold values above 1, rows that
+/// sum to more than 1, and need not be reciprocal.
+///
+/// | argument | meaning | shape |
+/// |---|---|---|
+/// | `f` | form factors, row = receiver, column = sender, finite, ≥ 0 | `n` × `n`, row-major |
+/// | `rho` | reflectances, 0 ≤ ρ < 1 | `n` |
+/// | `area` | areas, m², > 0 | `n` |
+/// | returns `.0` | K = A^{-1/2} X A^{-1/2}, row-major, as computed: neither clamped nor made symmetric | `n` × `n` |
+///
+/// [`Method::PaperInverse`] takes F as it is, all others take the mean of both directions.
+///
+/// # Errors
+///
+/// As [`all_bounces`]; but [`Error::NotContracting`] comes from [`Method::Cholesky`] and [`Method::Cg`] only, the
+/// others compute on and report `contracts: false`.
+pub fn solve_raw(f: &[f64], rho: &[f64], area: &[f64], params: &Params) -> Result<(Vec<f64>, ChannelReport), Error> {
+    params.check()?;
+    let _ = (f, rho, area);
+    Err(Error::NotBuilt)
 }

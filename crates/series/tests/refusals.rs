@@ -4,10 +4,13 @@ mod common;
 
 use common::patches;
 use radfile::{FormFactors, Patches, Quiet};
-use series::{Params, all_bounces};
+use series::all_bounces;
 
 fn refusal(patches: &Patches, factors: &FormFactors, bounces: Option<u32>) -> String {
-    all_bounces(patches, factors, &Params { bounces }, &Quiet).map(|_| ()).expect_err("must be refused").to_string()
+    all_bounces(patches, factors, &common::params(bounces), &Quiet)
+        .map(|_| ())
+        .expect_err("must be refused")
+        .to_string()
 }
 
 fn plates(values: [f32; 4]) -> FormFactors<'static> {

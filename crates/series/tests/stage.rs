@@ -54,7 +54,7 @@ fn output(input: &Container, params: &Params) -> Container {
 #[test]
 fn the_stage_adds_the_operator_and_hands_the_rest_through() {
     let input = input(30);
-    let out = output(&input, &Params { bounces: Some(4) });
+    let out = output(&input, &Params::first_bounces(4));
     let operator = Operator::read(&out).unwrap();
     assert_eq!((operator.n, operator.channels, operator.bounces), (30, 3, Some(4)));
     assert_eq!(Patches::read(&out).unwrap(), Patches::read(&input).unwrap());
@@ -77,7 +77,7 @@ fn a_container_without_form_factors_is_refused() {
 fn any_number_of_threads_writes_the_same_bytes() {
     let input = input(700);
     for bounces in [None, Some(7)] {
-        let params = Params { bounces };
+        let params = common::params(bounces);
         let with = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let (mut bytes, mut report) = (vec![], String::new());
@@ -114,7 +114,7 @@ fn progress_reaches_exactly_its_total() {
     let input = input(400);
     for bounces in [None, Some(1), Some(2), Some(5), Some(6), Some(11)] {
         let count = Count(0.into(), 0.into());
-        run(&input, &Params { bounces }, step(), &count, &mut |_| Ok(())).unwrap();
+        run(&input, &common::params(bounces), step(), &count, &mut |_| Ok(())).unwrap();
         assert_eq!(count.0.into_inner(), count.1.into_inner(), "{bounces:?}");
     }
 }
@@ -124,7 +124,7 @@ fn eight_thousand_coloured_patches_fit_in_six_gibibytes() {
     let factors = 4 * 8000_u64.pow(2);
     let all = memory_needed(8000, 3) + factors;
     assert!(all < 6 << 30, "{all}");
-    assert!(Params { bounces: Some(3) }.memory_needed(8000, 3) + factors < 6 << 30);
+    assert!(Params::first_bounces(3).memory_needed(8000, 3) + factors < 6 << 30);
     // The result alone is 3 · 4 · n² bytes; the solver's three matrices come on top.
     assert!(all > 12 * 8000_u64.pow(2) + factors);
 }

@@ -55,7 +55,12 @@ pub fn colours(n: usize, seed: u64) -> Vec<[f32; 3]> {
 }
 
 pub fn solve(patches: &Patches, factors: &FormFactors, bounces: Option<u32>) -> (Operator<'static>, Report) {
-    all_bounces(patches, factors, &Params { bounces }, &Quiet).expect("a physical room")
+    all_bounces(patches, factors, &params(bounces), &Quiet).expect("a physical room")
+}
+
+/// All bounces, or the first by doubling.
+pub fn params(bounces: Option<u32>) -> Params {
+    bounces.map_or_else(Params::default, Params::first_bounces)
 }
 
 /// A^{-1/2} (Σ_{b<bounces} (F ρ)^b F)… by the definition, in f64: X_ij / √(A_i A_j).
