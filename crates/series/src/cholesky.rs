@@ -1,4 +1,4 @@
-//! L Lᵀ = I − R W R, tile by tile, and the solves with L.
+//! All bounces by L Lᵀ = I − R W R, tile by tile: Y = L⁻¹ R W and K = W + Yᵀ Y (docs/design.md §2, equation 3).
 //!
 //! Right-looking: factor a diagonal tile, solve the tiles below it, take their products from all
 //! tiles to the right. faer does the work inside a tile.
@@ -9,19 +9,45 @@ use faer::{
     dyn_stack::{MemBuffer, MemStack},
     linalg::{
         cholesky::llt::factor::{cholesky_in_place, cholesky_in_place_scratch},
-        triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place},
+        triangular_solve::solve_lower_triangular_in_place,
     },
 };
 use rayon::prelude::*;
 
-use crate::tiles::{Lower, Panels, column, column_mut, multiply};
+use crate::{
+    methods::{Failure, Solved, bytes},
+    one_bounce::OneBounce,
+    scalar::Scalar,
+    tiles::{Grid, Lower, Panels, multiply},
+};
 
-/// The matrix is not positive definite.
-#[derive(Debug)]
-pub struct NotPositive;
+/// Products of two tiles that it takes.
+pub fn work(grid: Grid) -> u64 {
+    let t = grid.count as u64;
+    t * (t * t - 1) / 6 + t * t * (t + 1)
+}
+
+/// Solves, or finds that I − R W R is not positive definite.
+pub fn solve<S: Scalar, T: Scalar>(
+    one: &OneBounce<S>,
+    root_rho: &[f64],
+    tick: &(dyn Fn(u64) + Sync),
+) -> Result<Solved, Failure> {
+    let grid = one.grid;
+    let mut square = Lower::<T>::zeros(grid);
+    square.fill(|i, j| f64::from(u8::from(i == j)) - root_rho[i] * one.w(i, j) * root_rho[j]);
+    factor(&mut square, tick)?;
+    let mut panels = Panels::<T>::zeros(grid);
+    panels.fill(|i, j| root_rho[i] * one.w(i, j));
+    solve_panels(&square, &mut panels, tick);
+    square.fill(|i, j| one.w(i, j));
+    square.accumulate_product(Accum::Add, &panels, &panels, tick);
+    let peak_bytes = bytes(&square.values) + bytes(&panels.values);
+    Ok(Solved { k: Box::new(square), iterations: None, peak_bytes })
+}
 
 /// Replaces a symmetric matrix by its Cholesky factor L (the upper half of diagonal tiles is left as it was).
-pub fn factor(matrix: &mut Lower, tick: &(dyn Fn(u64) + Sync)) -> Result<(), NotPositive> {
+fn factor<T: Scalar>(matrix: &mut Lower<T>, tick: &(dyn Fn(u64) + Sync)) -> Result<(), Failure> {
     let grid = matrix.grid;
     let (edge, size) = (grid.edge, grid.tile_size());
     for k in 0..grid.count {
@@ -35,7 +61,7 @@ pub fn factor(matrix: &mut Lower, tick: &(dyn Fn(u64) + Sync)) -> Result<(), Not
         });
 
         // The solved tiles are copied so that the others may be written while these are read.
-        let below: Vec<f64> = (k + 1..grid.count)
+        let below: Vec<T> = (k + 1..grid.count)
             .flat_map(|i| {
                 let start = (i * (i + 1) / 2 + k) * size;
                 &matrix.values[start..start + size]
@@ -53,11 +79,11 @@ pub fn factor(matrix: &mut Lower, tick: &(dyn Fn(u64) + Sync)) -> Result<(), Not
 }
 
 /// Factors diagonal tile k in place and returns a copy of it.
-fn factor_tile(matrix: &mut Lower, k: usize) -> Result<Vec<f64>, NotPositive> {
+fn factor_tile<T: Scalar>(matrix: &mut Lower<T>, k: usize) -> Result<Vec<T>, Failure> {
     let (edge, size) = (matrix.grid.edge, matrix.grid.tile_size());
     let start = (k * (k + 1) / 2 + k) * size;
     let tile = &mut matrix.values[start..start + size];
-    let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(edge, Par::Seq, Spec::default()));
+    let mut memory = MemBuffer::new(cholesky_in_place_scratch::<T>(edge, Par::Seq, Spec::default()));
     cholesky_in_place(
         MatMut::from_column_major_slice_mut(tile, edge, edge),
         Default::default(),
@@ -65,15 +91,15 @@ fn factor_tile(matrix: &mut Lower, k: usize) -> Result<Vec<f64>, NotPositive> {
         MemStack::new(&mut memory),
         Spec::default(),
     )
-    .map_err(|_| NotPositive)?;
+    .map_err(|_| Failure::NotPositive)?;
     Ok(tile.to_vec())
 }
 
 /// Y ← L⁻¹ Y, one panel of columns a task.
-pub fn solve_panels(l: &Lower, y: &mut Panels, tick: &(dyn Fn(u64) + Sync)) {
+fn solve_panels<T: Scalar>(l: &Lower<T>, y: &mut Panels<T>, tick: &(dyn Fn(u64) + Sync)) {
     let grid = l.grid;
     let (edge, rows) = (grid.edge, grid.padded());
-    y.values.par_chunks_mut(rows * edge).for_each(|panel| {
+    y.par_panels().for_each(|panel| {
         let mut panel = MatMut::from_column_major_slice_mut(panel, rows, edge);
         for i in 0..grid.count {
             let (done, rest) = panel.as_mut().split_at_row_mut(i * edge);
@@ -85,25 +111,4 @@ pub fn solve_panels(l: &Lower, y: &mut Panels, tick: &(dyn Fn(u64) + Sync)) {
             tick(i as u64 + 1);
         }
     });
-}
-
-/// x ← (L Lᵀ)⁻¹ x for a padded vector.
-pub fn solve_vector(l: &Lower, x: &mut [f64]) {
-    let (edge, count) = (l.grid.edge, l.grid.count);
-    for i in 0..count {
-        let (done, rest) = x.split_at_mut(i * edge);
-        let mut block = column_mut(&mut rest[..edge]);
-        if i > 0 {
-            multiply(block.as_mut(), Accum::Add, l.row(i, i - 1), column(done), -1.0);
-        }
-        solve_lower_triangular_in_place(l.tile(i, i), block, Par::Seq);
-    }
-    for i in (0..count).rev() {
-        let (above, rest) = x.split_at_mut(i * edge);
-        let block = &mut rest[..edge];
-        solve_upper_triangular_in_place(l.tile(i, i).transpose(), column_mut(block), Par::Seq);
-        if i > 0 {
-            multiply(column_mut(above), Accum::Add, l.row(i, i - 1).transpose(), column(block), -1.0);
-        }
-    }
 }

@@ -60,9 +60,32 @@ pub enum Error {
         /// What was asked for.
         found: f64,
     },
-    /// For a day.
-    #[error("this method is not built yet; use cholesky or doubling in f64")]
-    NotBuilt,
+    /// The numbers are too coarse for the system.
+    #[error(
+        "{channel}: {method} in f32 cannot tell this scene from one whose light never fades \
+         (condition {condition:.0}); use --precision f64"
+    )]
+    Precision {
+        /// Colour channel.
+        channel: &'static str,
+        /// As the command line spells it.
+        method: &'static str,
+        /// Condition number of I − R W R.
+        condition: f64,
+    },
+    /// Conjugate gradients did not reach their goal.
+    #[error(
+        "{channel}: conjugate gradients have not reached a residual of {tolerance:e} after {steps} steps; \
+         allow more (--tolerance), or use --method cholesky"
+    )]
+    Stalled {
+        /// Colour channel.
+        channel: &'static str,
+        /// Steps that were taken.
+        steps: u64,
+        /// Relative residual that was asked for.
+        tolerance: f64,
+    },
     /// The series of bounces has no finite sum.
     #[error(
         "{channel}: light grows from bounce to bounce instead of fading (by {radius:.4}, must be below 1); \

@@ -6,9 +6,13 @@
 //!
 //! - Scaling by areas makes one bounce symmetric: W = A^{1/2} F A^{-1/2} (`one_bounce`).
 //! - All bounces are solved, not summed: I − R W R is symmetric positive definite for every physical F
-//!   (`cholesky`), K = W + Yᵀ Y with Y = L⁻¹ R W (`solve`). docs/design.md §2, equation (3).
-//! - The first k bounces are summed by doubling (`truncated`).
+//!   (`cholesky`, `conjugate`). docs/design.md §2, equation (3).
+//! - The first k bounces are summed (`truncated`).
+//! - The inverse as it was first proposed is there for comparison (`paper_inverse`), and [`solve_raw`] takes
+//!   form factors that no scene has, to show where methods fail.
 //! - What the result is worth is measured, not assumed: `spectrum`, `quality`.
+//!
+//! Every method computes in f32 or f64. The only clock of this crate is [`ChannelReport::seconds`].
 //!
 //! **Why our own blocking over faer.** A file must have the same bytes whatever the number of threads.
 //! A parallel matrix product may cut its sums differently for 2 threads than for 16, and sums in floating
@@ -17,11 +21,15 @@
 //! tasks never share a sum. More threads change who computes a tile, never how.
 
 mod cholesky;
+mod conjugate;
 mod error;
+mod methods;
 mod one_bounce;
+mod paper_inverse;
 mod params;
 mod quality;
 mod report;
+mod scalar;
 mod solve;
 mod spectrum;
 mod stage;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::{Error, tiles::Grid};
+use crate::{Error, methods, tiles::Grid};
 
 /// How the series of bounces is summed. W = A^{1/2} F A^{-1/2} is one bounce, R = ρ^{1/2} (docs/design.md §2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
@@ -92,17 +92,22 @@ impl Params {
         }
     }
 
-    /// Bytes that [`crate::all_bounces`] takes besides its inputs, its result included.
+    /// The tolerance of conjugate gradients.
+    pub(crate) fn tolerance(&self) -> f64 {
+        self.tolerance.unwrap_or(match self.precision {
+            Precision::F32 => 1e-6,
+            Precision::F64 => 1e-12,
+        })
+    }
+
+    /// Bytes of the matrices that [`crate::all_bounces`] takes besides its inputs, its result included.
+    ///
+    /// [`Method::Cg`] takes more with more threads.
     pub fn memory_needed(&self, n: usize, channels: usize) -> u64 {
         if n == 0 {
             return 0;
         }
-        let grid = Grid::new(n);
-        let lower = 8 * (grid.lower().len() * grid.tile_size()) as u64;
-        let panels = 8 * (grid.padded() as u64).pow(2);
-        let result = 4 * (channels * n * n) as u64;
-        let truncation = if self.bounces.is_some() { lower + panels } else { 0 };
-        result + 2 * lower + panels + truncation
+        4 * (channels * n * n) as u64 + methods::bytes_needed(Grid::new(n), self)
     }
 }
 

@@ -1,16 +1,18 @@
 //! All bounces of light, one colour channel after the other.
 
-use faer::Accum;
-use radfile::{FormFactors, Operator, Patches, Progress};
+use std::time::Instant;
+
+use radfile::{FormFactors, Operator, Patches, Progress, Quiet};
+use rayon::prelude::*;
 
 use crate::{
-    ChannelReport, Error, Method, Params, PatchSum, Precision, Report, cholesky,
+    ChannelReport, Error, Method, Params, PatchSum, Precision, Report,
+    methods::{self, Failure, Solved},
     one_bounce::{self, OneBounce},
-    quality::{self, Furnace},
-    spectrum,
+    quality::{self, Blemishes, Furnace},
+    scalar::Scalar,
+    spectrum::Spectrum,
     store::store,
-    tiles::{Lower, Panels},
-    truncated::{self, Scratch},
 };
 
 /// Computes K for every channel: what each patch receives from each other after all bounces, scaled by areas.
@@ -22,12 +24,14 @@ use crate::{
 /// | returns `.0` | K = A^{-1/2} X A^{-1/2}, exactly symmetric, ≥ 0, dimensionless | 1 or 3 × `n` × `n` |
 ///
 /// A scene whose reflectances are all grey gets one channel. F is made exactly reciprocal first (mean of both
-/// directions, see [`Report::asymmetry`]). The bytes of the result do not depend on the number of threads.
+/// directions, see [`Report::asymmetry`]); [`Method::PaperInverse`] takes it as it is and K is made symmetric
+/// instead. The bytes of the result do not depend on the number of threads.
 ///
 /// # Errors
 ///
-/// [`Error::NoPatches`], [`Error::Count`], [`Error::Value`], [`Error::NoBounces`] for input that means nothing;
-/// [`Error::NotContracting`] if light would grow with every bounce, also where only a few bounces are asked for.
+/// [`Error::NoPatches`], [`Error::Count`], [`Error::Value`] for input that means nothing, those of
+/// [`Params::check`]; [`Error::NotContracting`] if light would grow with every bounce, whichever the method and
+/// also where only a few bounces are asked for; [`Error::Precision`] and [`Error::Stalled`] if the method fails.
 ///
 /// # Example
 ///
@@ -51,18 +55,19 @@ pub fn all_bounces(
 ) -> Result<(Operator<'static>, Report), Error> {
     params.check()?;
     one_bounce::check(patches, factors)?;
-    if !matches!(params.method, Method::Cholesky | Method::Doubling) || params.precision == Precision::F32 {
-        return Err(Error::NotBuilt);
-    }
     let n = patches.len();
     let names: &[&'static str] = if patches.is_grey() { &["grey"] } else { &["red", "green", "blue"] };
-    let one = OneBounce::new(patches, factors);
-    let mut solver = Solver::new(&one, params, progress);
+    let area = |i| f64::from(patches.area[i]);
+    let one = OneBounce::new(&factors.values, area, n, params.method != Method::PaperInverse);
     let mut values = vec![0.0; names.len() * n * n];
     let mut channel = Vec::with_capacity(names.len());
     for ((&name, out), colour) in names.iter().zip(values.chunks_exact_mut(n * n)).zip(0..) {
-        let rho = one.w.grid.vector(|i| f64::from(patches.reflectance[i][colour]));
-        channel.push(solver.channel(name, &rho, out)?);
+        let rho = one.grid.vector(|i| f64::from(patches.reflectance[i][colour]));
+        let (solved, mut report) = solve_channel(&one, &rho, name, Growing::Refused, params, progress)?;
+        store(&*solved.k, one.grid, out);
+        let times = |x: &[f64]| out.par_chunks(n).map(|row| crate::scalar::dot(row, &x[..n])).collect();
+        report.furnace_max_error_stored = Furnace::of(&one, &rho, times).max;
+        channel.push(report);
     }
     let report = Report {
         patches: n,
@@ -77,104 +82,6 @@ pub fn all_bounces(
     Ok((Operator { n, channels: names.len(), bounces: params.bounces, values: values.into() }, report))
 }
 
-/// Largest |Σ_j F_ij + sky_i − 1| of the factors as given.
-fn closure_error(factors: &FormFactors) -> f64 {
-    let row = |i: usize| factors.row(i).iter().map(|&f| f64::from(f)).sum::<f64>() + f64::from(factors.sky[i]);
-    (0..factors.len()).map(|i| (row(i) - 1.0).abs()).fold(0.0, f64::max)
-}
-
-/// Buffers that serve one channel after the other.
-struct Solver<'a> {
-    one: &'a OneBounce,
-    params: &'a Params,
-    progress: &'a dyn Progress,
-    /// I − R W R, then L, then K.
-    square: Lower,
-    /// R W, then Y.
-    panels: Panels,
-    scratch: Option<Scratch>,
-}
-
-impl<'a> Solver<'a> {
-    fn new(one: &'a OneBounce, params: &'a Params, progress: &'a dyn Progress) -> Solver<'a> {
-        let grid = one.w.grid;
-        let scratch = params.bounces.map(|_| Scratch::new(&one.w));
-        Solver { one, params, progress, square: Lower::zeros(grid), panels: Panels::zeros(grid), scratch }
-    }
-
-    fn channel(&mut self, name: &'static str, rho: &[f64], out: &mut [f32]) -> Result<ChannelReport, Error> {
-        let root_rho: Vec<f64> = rho.iter().map(|r| r.sqrt()).collect();
-        self.progress.begin(&format!("series, {name}"), self.work());
-        let largest_row = self.factor(name, rho, &root_rho)?;
-        let smallest = spectrum::smallest_eigenvalue(&self.square);
-        let condition = spectrum::largest_eigenvalue(&self.one.w, &root_rho) / smallest;
-        let sky = quality::sky_light(self.one, &self.square, &root_rho);
-        self.sum(&root_rho);
-        let clamped = store(&self.square, out);
-        let furnace = Furnace::of_solution(self.one, &self.square, rho, &sky);
-        Ok(ChannelReport {
-            name,
-            spectral_radius: (1.0 - smallest).max(0.0),
-            condition,
-            largest_row,
-            residual: quality::residual(self.one, &self.square, rho),
-            furnace_max_error: furnace.max,
-            furnace_mean_error: furnace.mean,
-            furnace_max_error_stored: Furnace::of_stored(self.one, out, rho, &sky).max,
-            clamped: clamped.count,
-            lowest: clamped.lowest,
-        })
-    }
-
-    /// Cholesky factor of I − R W R, or the reason why there is none.
-    ///
-    /// A matrix whose rows of F ρ all sum to less than 1 contracts for certain. Otherwise its spectral
-    /// radius decides: power iteration finds a plain offender before the work, Cholesky all of them.
-    fn factor(&mut self, name: &'static str, rho: &[f64], root_rho: &[f64]) -> Result<PatchSum, Error> {
-        let largest_row = self.one.largest_row(rho);
-        let refuse = |radius| {
-            let PatchSum { patch, sum } = largest_row;
-            Error::NotContracting { channel: name, patch, row_sum: sum, radius }
-        };
-        if largest_row.sum >= 1.0 {
-            let radius = spectrum::radius_before_solving(&self.one.w, root_rho);
-            if radius >= 1.0 {
-                return Err(refuse(radius));
-            }
-        }
-        self.one.fill_system(root_rho, &mut self.square);
-        match cholesky::factor(&mut self.square, &|done| self.progress.advance(done)) {
-            Ok(()) => Ok(largest_row),
-            Err(cholesky::NotPositive) => Err(refuse(spectrum::radius_before_solving(&self.one.w, root_rho).max(1.0))),
-        }
-    }
-
-    /// Replaces L by K.
-    fn sum(&mut self, root_rho: &[f64]) {
-        let tick = |done| self.progress.advance(done);
-        let Solver { one, square, panels, .. } = self;
-        match (self.params.bounces, &mut self.scratch) {
-            (Some(bounces), Some(scratch)) => {
-                truncated::first_bounces(&one.w, root_rho, bounces, square, panels, scratch, &tick);
-            }
-            _ => {
-                panels.fill_scaled(&one.w, root_rho);
-                cholesky::solve_panels(square, panels, &tick);
-                square.values.copy_from_slice(&one.w.values);
-                square.accumulate_product(Accum::Add, panels, panels, &tick);
-            }
-        }
-    }
-
-    /// Products of two tiles in one channel.
-    fn work(&self) -> u64 {
-        let t = self.square.grid.count as u64;
-        let factor = t * (t * t - 1) / 6;
-        let product = t * t * (t + 1) / 2;
-        factor + self.params.bounces.map_or(2, truncated::product_count) * product
-    }
-}
-
 /// K of one channel from any form factors, physical or not, with whatever negative light comes out.
 ///
 /// This is for studying where methods fail; [`all_bounces`] is for scenes. `f` may hold values above 1, rows that
@@ -187,14 +94,107 @@ impl<'a> Solver<'a> {
 /// | `area` | areas, m², > 0 | `n` |
 /// | returns `.0` | K = A^{-1/2} X A^{-1/2}, row-major, as computed: neither clamped nor made symmetric | `n` × `n` |
 ///
-/// [`Method::PaperInverse`] takes F as it is, all others take the mean of both directions.
+/// [`Method::PaperInverse`] takes F as it is, all others take the mean of both directions. Where light grows, a
+/// sum of very many bounces overflows to infinity, and then to values that are not numbers.
 ///
 /// # Errors
 ///
 /// As [`all_bounces`]; but [`Error::NotContracting`] comes from [`Method::Cholesky`] and [`Method::Cg`] only, the
 /// others compute on and report `contracts: false`.
+///
+/// # Example
+///
+/// Two plates that were measured to see more of each other than there is. The inverse exists, and is nonsense:
+///
+/// ```
+/// let params = series::Params { method: series::Method::PaperInverse, ..Default::default() };
+/// let (k, report) = series::solve_raw(&[0.0, 1.5, 1.5, 0.0], &[0.8; 2], &[1.0; 2], &params)?;
+/// assert!((k[1] - 1.5 / (1.0 - 1.44)).abs() < 1e-12, "negative light");
+/// assert!(!report.contracts && (report.spectral_radius - 1.2).abs() < 1e-12);
+/// assert_eq!((report.negative, report.negative_share), (4, 1.0));
+/// # Ok::<(), series::Error>(())
+/// ```
 pub fn solve_raw(f: &[f64], rho: &[f64], area: &[f64], params: &Params) -> Result<(Vec<f64>, ChannelReport), Error> {
     params.check()?;
-    let _ = (f, rho, area);
-    Err(Error::NotBuilt)
+    one_bounce::check_raw(f, rho, area)?;
+    let n = area.len();
+    let one = OneBounce::new(f, |i| area[i], n, params.method != Method::PaperInverse);
+    let growing = match params.method {
+        Method::Cholesky | Method::Cg => Growing::Refused,
+        Method::Doubling | Method::Neumann | Method::PaperInverse => Growing::Computed,
+    };
+    let rho = one.grid.vector(|i| rho[i]);
+    let (solved, report) = solve_channel(&one, &rho, "raw", growing, params, &Quiet)?;
+    let mut values = vec![0.0; n * n];
+    values.par_chunks_mut(n).enumerate().for_each(|(i, row)| {
+        row.iter_mut().enumerate().for_each(|(j, value)| *value = solved.k.at(i, j));
+    });
+    Ok((values, report))
+}
+
+/// Largest |Σ_j F_ij + sky_i − 1| of the factors as given.
+fn closure_error(factors: &FormFactors) -> f64 {
+    let row = |i: usize| factors.row(i).iter().map(|&f| f64::from(f)).sum::<f64>() + f64::from(factors.sky[i]);
+    (0..factors.len()).map(|i| (row(i) - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// What happens to a scene whose light grows from bounce to bounce.
+#[derive(PartialEq)]
+enum Growing {
+    Refused,
+    Computed,
+}
+
+fn solve_channel<S: Scalar>(
+    one: &OneBounce<S>,
+    rho: &[f64],
+    name: &'static str,
+    growing: Growing,
+    params: &Params,
+    progress: &dyn Progress,
+) -> Result<(Solved, ChannelReport), Error> {
+    progress.begin(&format!("series, {name}"), methods::work(one.grid, params));
+    let largest_row = one.largest_row(rho);
+    let spectrum = Spectrum::of(one, rho);
+    let contracts = spectrum.radius < 1.0;
+    let refuse = |radius| {
+        let PatchSum { patch, sum } = largest_row;
+        Error::NotContracting { channel: name, patch, row_sum: sum, radius }
+    };
+    if !contracts && growing == Growing::Refused {
+        return Err(refuse(spectrum.radius));
+    }
+    let start = Instant::now();
+    let solved = methods::solve(one, rho, params, &|done| progress.advance(done)).map_err(|failure| match failure {
+        // The factorisation is exact where the estimate of the radius may be a little low.
+        Failure::NotPositive if params.precision == Precision::F64 => refuse(spectrum.radius.max(1.0)),
+        Failure::NotPositive => {
+            Error::Precision { channel: name, method: params.method.name(), condition: spectrum.condition }
+        }
+        Failure::Stalled { steps } => Error::Stalled { channel: name, steps, tolerance: params.tolerance() },
+    })?;
+    let seconds = start.elapsed().as_secs_f64();
+    let blemishes = Blemishes::of(&*solved.k, one.grid);
+    let furnace = Furnace::of(one, rho, |x| solved.k.times(x));
+    let report = ChannelReport {
+        name,
+        method: params.method,
+        precision: params.precision,
+        contracts,
+        spectral_radius: spectrum.radius,
+        condition: spectrum.condition,
+        largest_row,
+        iterations: solved.iterations,
+        residual: quality::residual(one, &*solved.k, rho),
+        furnace_max_error: furnace.max,
+        furnace_mean_error: furnace.mean,
+        furnace_max_error_stored: furnace.max,
+        asymmetry: if blemishes.largest > 0.0 { blemishes.difference / blemishes.largest } else { 0.0 },
+        negative: blemishes.negative,
+        negative_share: blemishes.negative as f64 / (one.grid.n * one.grid.n) as f64,
+        lowest: blemishes.lowest,
+        peak_bytes: solved.peak_bytes,
+        seconds,
+    };
+    Ok((solved, report))
 }

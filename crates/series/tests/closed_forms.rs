@@ -73,8 +73,7 @@ fn without_reflection_all_bounces_are_the_first() {
     let (k, report) = solve(&patches(area.clone(), vec![[0.0; 3]; 300]), &factors, None);
     let w = common::naive(&area, &[0.0; 300], &factors, 1);
     assert!(k.values.iter().zip(&w).all(|(&k, &w)| k == w as f32), "K must be W exactly");
-    assert_eq!(report.channel[0].residual, 0.0);
-    assert!(report.channel[0].spectral_radius < 1e-12);
+    assert!(report.channel[0].residual < 1e-14 && report.channel[0].spectral_radius < 1e-12);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 #![allow(dead_code)] // every test file uses its own part
 
 use radfile::{FormFactors, Operator, Patches, Quiet};
-use series::{Params, Report, all_bounces};
+use series::{Method, Params, Precision, Report, all_bounces};
 
 /// Patches that have what this stage reads: areas and reflectances.
 pub fn patches(area: Vec<f32>, reflectance: Vec<[f32; 3]>) -> Patches {
@@ -61,6 +61,19 @@ pub fn solve(patches: &Patches, factors: &FormFactors, bounces: Option<u32>) -> 
 /// All bounces, or the first by doubling.
 pub fn params(bounces: Option<u32>) -> Params {
     bounces.map_or_else(Params::default, Params::first_bounces)
+}
+
+/// Every method in both precisions; those that truncate sum the first `bounces`.
+pub fn every_way(bounces: u32) -> Vec<Params> {
+    let methods = [Method::Cholesky, Method::Doubling, Method::Neumann, Method::Cg, Method::PaperInverse];
+    let truncates = |method| matches!(method, Method::Doubling | Method::Neumann);
+    let params = |method, precision| Params {
+        method,
+        precision,
+        bounces: truncates(method).then_some(bounces),
+        ..Params::default()
+    };
+    methods.into_iter().flat_map(|m| [Precision::F64, Precision::F32].map(|p| params(m, p))).collect()
 }
 
 /// A^{-1/2} (Σ_{b<bounces} (F ρ)^b F)… by the definition, in f64: X_ij / √(A_i A_j).
