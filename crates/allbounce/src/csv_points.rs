@@ -9,8 +9,8 @@ use crate::files;
 /// The columns that a points file must have.
 const COLUMNS: [&str; 6] = ["px", "py", "pz", "nx", "ny", "nz"];
 
-/// The columns that the answers add.
-const ANSWERS: [&str; 6] = ["direct_r", "direct_g", "direct_b", "indirect_r", "indirect_g", "indirect_b"];
+/// The columns that answers add, whoever gives them.
+pub const ANSWERS: [&str; 6] = ["direct_r", "direct_g", "direct_b", "indirect_r", "indirect_g", "indirect_b"];
 
 /// A points file.
 pub struct Points {
@@ -24,19 +24,19 @@ pub struct Points {
 
 impl Points {
     /// Reads a points file: a header with px,py,pz,nx,ny,nz, other columns are handed through,
-    /// lines that start with # are comments.
-    pub fn read(path: &Path) -> anyhow::Result<Points> {
-        Points::parse(&files::text(path)?).with_context(|| path.display().to_string())
+    /// lines that start with # are comments. `answers` are the columns that will be added.
+    pub fn read(path: &Path, answers: &[&str]) -> anyhow::Result<Points> {
+        Points::parse(&files::text(path)?, answers).with_context(|| path.display().to_string())
     }
 
-    fn parse(text: &str) -> anyhow::Result<Points> {
+    fn parse(text: &str, answers: &[&str]) -> anyhow::Result<Points> {
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
         let header: Vec<String> = reader.headers()?.iter().map(str::to_owned).collect();
         if let Some(twice) = COLUMNS.iter().find(|name| header.iter().filter(|h| h == *name).count() > 1) {
             bail!("column {twice} is there twice; which one is meant?");
         }
-        if let Some(taken) = ANSWERS.iter().find(|name| header.iter().any(|h| h == *name)) {
+        if let Some(taken) = answers.iter().find(|name| header.iter().any(|h| h == *name)) {
             bail!("column {taken} is already there; rename it, the answers use this name");
         }
         let mut columns = [0; 6];
@@ -81,13 +81,12 @@ impl Points {
         Points { header: COLUMNS.map(String::from).to_vec(), records: records.collect(), position, normal }
     }
 
-    /// Writes the points with direct and indirect irradiance, W/m², appended.
-    pub fn write(&self, path: &Path, direct: &[[f32; 3]], indirect: &[[f32; 3]]) -> anyhow::Result<()> {
+    /// Writes the points with the columns `answers` appended; `row` gives them for a point.
+    pub fn write(&self, path: &Path, answers: &[&str], row: impl Fn(usize) -> Vec<String>) -> anyhow::Result<()> {
         let mut out = csv::Writer::from_writer(Vec::new());
-        out.write_record(self.header.iter().map(String::as_str).chain(ANSWERS))?;
-        for ((record, d), i) in self.records.iter().zip(direct).zip(indirect) {
-            let numbers = d.iter().chain(i).map(f32::to_string);
-            out.write_record(record.iter().cloned().chain(numbers))?;
+        out.write_record(self.header.iter().map(String::as_str).chain(answers.iter().copied()))?;
+        for (i, record) in self.records.iter().enumerate() {
+            out.write_record(record.iter().cloned().chain(row(i)))?;
         }
         files::write(path, &out.into_inner()?)
     }
@@ -99,7 +98,7 @@ mod tests {
 
     #[test]
     fn columns_may_come_in_any_order_and_others_are_handed_through() {
-        let points = Points::parse("# made by hand\nnz,ny,nx,id,pz,py,px\n2,0,0,seven,3,2,1\n").unwrap();
+        let points = Points::parse("# made by hand\nnz,ny,nx,id,pz,py,px\n2,0,0,seven,3,2,1\n", &ANSWERS).unwrap();
         assert_eq!(points.position, [[1.0, 2.0, 3.0]]);
         assert_eq!(points.normal, [[0.0, 0.0, 1.0]]);
         assert_eq!(points.records[0][3], "seven");
@@ -107,7 +106,7 @@ mod tests {
 
     #[test]
     fn a_bad_line_is_named() {
-        let refused = |text: &str| Points::parse(text).err().map(|e| e.to_string()).unwrap_or_default();
+        let refused = |text: &str| Points::parse(text, &ANSWERS).err().map(|e| e.to_string()).unwrap_or_default();
         let header = "px,py,pz,nx,ny,nz\n";
         assert!(refused("px,py,pz\n1,2,3\n").contains("column nx is missing"));
         assert!(refused(&format!("{header}1,2,3,0,0,1\n1,2,oops,0,0,1\n")).contains("line 3: pz is \"oops\""));

@@ -1,6 +1,6 @@
 //! The GPU backend of `relight` and `render`; without the `gpu` feature it says so.
 
-use radfile::Rows;
+use radfile::PointRows;
 use relight::{Image, Parts, PointLight};
 use scene::{Camera, LightRig, SurfacePoint};
 
@@ -15,7 +15,7 @@ pub fn relight(
     bake: &Bake,
     rig: &LightRig,
     points: &[SurfacePoint],
-    rows: &Rows,
+    rows: &PointRows,
 ) -> anyhow::Result<(PointLight, String)> {
     if bounces.is_some() {
         anyhow::bail!("--bounces is computed from form factors on the CPU; use --backend cpu");
@@ -60,7 +60,7 @@ pub fn relight(
     _bake: &Bake,
     _rig: &LightRig,
     _points: &[SurfacePoint],
-    _rows: &Rows,
+    _rows: &PointRows,
 ) -> anyhow::Result<(PointLight, String)> {
     anyhow::bail!(ABSENT)
 }

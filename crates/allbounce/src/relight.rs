@@ -3,13 +3,14 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
-use radfile::{FormFactors, Record, Rows};
+use radfile::{FormFactors, PointRows, Record};
 use relight::{DirectLight, Frame, PatchSamples, PointLight, Relighter, Samples};
 use scene::{LightRig, Rays, SurfacePoint};
 use serde::Serialize;
+use transfer::GatherParams;
 
 use crate::{
-    csv_points::Points,
+    csv_points::{ANSWERS, Points},
     files,
     runtime::{self, Backend, Bake, LightOptions},
     session::Session,
@@ -33,15 +34,31 @@ pub struct Args {
     /// Where the answers go
     #[arg(short, long, value_name = "E.csv")]
     output: PathBuf,
+    /// How light reaches the points [default: gather; interpolate where the bake's operator holds some bounces only]
+    #[arg(long, value_enum, requires = "points")]
+    transfer: Option<Transfer>,
+    /// Rays a point of the last gather
+    #[arg(long, value_name = "N", default_value_t = 2048, value_parser = clap::value_parser!(u32).range(16..=1 << 20))]
+    gather_rays: u32,
     /// Exactly the first k bounces; the bake must keep its form factors (--keep-dense)
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=65536))]
     bounces: Option<u32>,
+}
+
+/// How light gets from patches to points.
+#[derive(Clone, Copy, PartialEq, clap::ValueEnum)]
+enum Transfer {
+    /// The last bounce by rays from each point to all patches that it sees: the most accurate
+    Gather,
+    /// Between the irradiances of patches around each point, as for the vertices of a picture: the fastest
+    Interpolate,
 }
 
 #[derive(Serialize)]
 struct Report {
     backend: String,
     bounces: String,
+    transfer: &'static str,
     points: usize,
     points_without_patches: usize,
     mean_direct: [f64; 3],
@@ -64,7 +81,8 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
         );
     }
     let rays = Rays::new(&bake.scene.mesh);
-    let (points, surface, rows) = receivers(args, &bake, &rays, session)?;
+    let transfer = transfer_of(args, &bake).with_context(named)?;
+    let (points, surface, rows) = receivers(args, transfer, &bake, &rays, session)?;
     let (mut light, backend) = match args.light.backend {
         Backend::Cpu => (on_cpu(args, &bake, &rig, &rays, &surface, &rows, session).with_context(named)?, "cpu".into()),
         Backend::Gpu => crate::gpu::relight(args.bounces, &bake, &rig, &surface, &rows).with_context(named)?,
@@ -73,15 +91,23 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     if !light.direct.iter().chain(&light.indirect).flatten().all(|v| v.is_finite()) {
         bail!("{}", runtime::TOO_BRIGHT);
     }
-    points.write(&args.output, &light.direct, &light.indirect)?;
-    let lost = (0..rows.len()).filter(|&r| rows.row(r).next().is_none()).count();
+    let row = |i: usize| light.direct[i].iter().chain(&light.indirect[i]).map(f32::to_string).collect();
+    points.write(&args.output, &ANSWERS, row)?;
+    let lost = points_without_patches(&rows);
     if lost > 0 {
-        session.warn(&format!("{lost} of {} points lie on no patch; their indirect light is 0", rows.len()));
+        session.warn(&format!(
+            "{lost} of {} points lie on no patch or see none; their indirect light is 0",
+            surface.len()
+        ));
     }
     let report = Report {
         backend,
         bounces: args.bounces.map_or_else(|| bake.bounces(), |k| Ok(format!("the first {k}")))?,
-        points: rows.len(),
+        transfer: match rows {
+            PointRows::Interpolated(_) => "interpolated",
+            PointRows::Gathered { .. } => "gathered",
+        },
+        points: surface.len(),
         points_without_patches: lost,
         mean_direct: mean(&light.direct),
         mean_indirect: mean(&light.indirect),
@@ -91,26 +117,61 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     session.finish(&report)
 }
 
+/// How light gets to the points. A last gather is a bounce of its own, so it must know how many come before it.
+fn transfer_of(args: &Args, bake: &Bake) -> anyhow::Result<Transfer> {
+    let held = if args.bounces.is_none() { bake.packed()?.packing.bounces } else { None };
+    match (args.transfer, held) {
+        (Some(Transfer::Gather), Some(k)) => bail!(
+            "the operator holds the first {k} bounces and a last gather would add one; use --transfer interpolate"
+        ),
+        (Some(transfer), _) => Ok(transfer),
+        (None, Some(_)) => Ok(Transfer::Interpolate),
+        (None, None) => Ok(Transfer::Gather),
+    }
+}
+
 /// The points to evaluate, as the file has them and on the surface, and their rows over the patches.
 fn receivers(
     args: &Args,
+    transfer: Transfer,
     bake: &Bake,
     rays: &Rays,
     session: &Session,
-) -> anyhow::Result<(Points, Vec<SurfacePoint>, Rows)> {
+) -> anyhow::Result<(Points, Vec<SurfacePoint>, PointRows)> {
     let mesh = &bake.scene.mesh;
     if let Some(path) = &args.points {
-        let points = Points::read(path)?;
+        let points = Points::read(path, &ANSWERS)?;
         let surface = relight::surface_points(mesh, &points.position, &points.normal);
-        let params = transfer::Params::default();
-        let rows = transfer::rows_for_points(&bake.patches, rays, &surface, &params, &session.progress());
+        let (patches, progress) = (&bake.patches, session.progress());
+        let rows = match transfer {
+            Transfer::Gather => {
+                let params = GatherParams { rays: args.gather_rays, ..GatherParams::default() };
+                let need = transfer::gather_memory_needed(surface.len(), patches.len(), &params);
+                session.ask_memory("the last gather", need, "take the points in parts, or --transfer interpolate")?;
+                transfer::gather_for_points(patches, rays, &surface, &params, &progress)
+            }
+            Transfer::Interpolate => {
+                let params = transfer::Params::default();
+                PointRows::Interpolated(transfer::rows_for_points(patches, rays, &surface, &params, &progress))
+            }
+        };
         return Ok((points, surface, rows));
     }
     let t = &bake.transfer;
     let in_file_axes = |p: &[f32; 3]| std::array::from_fn(|a| f64::from(p[a]) + mesh.origin[a]);
     let points = Points::new(t.position.iter().map(in_file_axes).collect(), t.normal.clone());
     let surface = relight::surface_points(mesh, &points.position, &points.normal);
-    Ok((points, surface, t.rows.clone()))
+    Ok((points, surface, PointRows::Interpolated(t.rows.clone())))
+}
+
+/// Points whose rows are empty and that see no sky.
+fn points_without_patches(rows: &PointRows) -> usize {
+    let sees_sky = |point: usize| match rows {
+        PointRows::Interpolated(_) => false,
+        PointRows::Gathered { sky, .. } => sky[point] > 0.0,
+    };
+    let empty = |&point: &usize| rows.rows().row(point).next().is_none() && !sees_sky(point);
+    (0..rows.rows().len()).filter(empty).count()
 }
 
 fn on_cpu(
@@ -119,18 +180,20 @@ fn on_cpu(
     rig: &LightRig,
     rays: &Rays,
     points: &[SurfacePoint],
-    rows: &Rows,
+    rows: &PointRows,
     session: &Session,
 ) -> anyhow::Result<PointLight> {
     let packed = bake.packed()?;
     let relighter = Relighter::new(&bake.scene, rays, &bake.patches, &packed, bake.sky()?)?;
     let light = relighter.direct_light(rig);
-    let frame = frame(args.bounces, bake, &relighter, &light, session)?;
+    // A last gather is the last of the bounces.
+    let last = u32::from(matches!(rows, PointRows::Gathered { .. }));
+    let frame = frame(args.bounces.map(|k| k - last), bake, &relighter, &light, session)?;
     let progress = session.progress();
-    Ok(relight::light_at_points(&light, points, rows, &frame.indirect, &Samples::default(), &progress))
+    Ok(relight::light_at_points(&light, points, rows, &bake.patches, &frame, &Samples::default(), &progress))
 }
 
-/// Light of the patches, all bounces or the first `bounces`.
+/// Light of the patches, all bounces or the first `bounces`, which may be none.
 fn frame(
     bounces: Option<u32>,
     bake: &Bake,

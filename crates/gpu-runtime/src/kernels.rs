@@ -17,6 +17,7 @@ pub const DIRECT: &str = concat!(
 );
 pub const PATCH_LIGHT: &str = include_str!("../../../shaders/patch_light.wgsl");
 pub const SENDERS: &str = include_str!("../../../shaders/senders.wgsl");
+pub const RADIOSITY: &str = include_str!("../../../shaders/radiosity.wgsl");
 pub const PRODUCT_SAMPLED: &str =
     concat!(include_str!("../../../shaders/product.wgsl"), include_str!("../../../shaders/codes_sampled.wgsl"));
 pub const PRODUCT_STORED: &str =

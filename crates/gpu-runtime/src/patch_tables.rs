@@ -1,4 +1,4 @@
-//! What the GPU knows of the patches: sample points, factors, the sky they see; and two small kernels.
+//! What the GPU knows of the patches: sample points, factors, the sky they see; and small kernels.
 
 use bytemuck::{Pod, Zeroable};
 use radfile::Patches;
@@ -35,6 +35,7 @@ pub struct PatchTables {
     pub sky: wgpu::Buffer,
     patch_light: Kernel,
     senders: Kernel,
+    radiosity: Kernel,
 }
 
 const FEWER: &str = "bake fewer patches or take fewer samples on each";
@@ -70,6 +71,7 @@ impl PatchTables {
             sky: gpu.storage("sky of patches", sky, FEWER)?,
             patch_light: gpu.kernel("patch_light", kernels::PATCH_LIGHT),
             senders: gpu.kernel("senders", kernels::SENDERS),
+            radiosity: gpu.kernel("radiosity", kernels::RADIOSITY),
         })
     }
 
@@ -95,5 +97,17 @@ impl PatchTables {
     pub fn send(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, h0: &wgpu::Buffer, x: &wgpu::Buffer) {
         let buffers = [&self.factors, h0, x].map(|b| b.as_entire_binding());
         self.senders.each(gpu, encoder, &buffers, self.count);
+    }
+
+    /// B = ρ (H⁰ + H) for `arriving` = [H⁰, H].
+    pub fn radiosity(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        arriving: [&wgpu::Buffer; 2],
+        b: &wgpu::Buffer,
+    ) {
+        let buffers = [&self.factors, arriving[0], arriving[1], b].map(|b| b.as_entire_binding());
+        self.radiosity.each(gpu, encoder, &buffers, self.count);
     }
 }

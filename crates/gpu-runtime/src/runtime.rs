@@ -3,7 +3,7 @@
 use std::f32::consts::PI;
 
 use glam::DVec3;
-use radfile::{PackedOperator, Patches, Rows, Transfer};
+use radfile::{PackedOperator, Patches, PointRows, Rows, Transfer};
 use scene::{Camera, LightRig, Scene};
 use serde::Serialize;
 
@@ -240,7 +240,8 @@ impl GpuRuntime {
         Ok(Relit { direct, indirect, receivers })
     }
 
-    /// Light at points on surfaces, local axes: direct by shadow maps, the sky and all bounces by `rows`.
+    /// Light at points on surfaces, local axes: direct by shadow maps, the sky and all bounces by `rows`; a last
+    /// gather adds a bounce to those of the operator.
     ///
     /// # Errors
     ///
@@ -250,32 +251,52 @@ impl GpuRuntime {
         rig: &LightRig,
         position: &[[f32; 3]],
         normal: &[[f32; 3]],
-        rows: &Rows,
+        rows: &PointRows,
     ) -> Result<PointLight> {
         let count = position.len();
-        if normal.len() != count || rows.len() != count {
-            let (n, r) = (normal.len(), rows.len());
+        if normal.len() != count || rows.rows().len() != count {
+            let (n, r) = (normal.len(), rows.rows().len());
             return Err(Error::Shape { what: format!("{count} points have {n} normals and {r} rows of weights") });
         }
+        if let PointRows::Gathered { sky, .. } = rows
+            && sky.len() != count
+        {
+            return Err(Error::Shape { what: format!("{count} points have {} shares of the sky", sky.len()) });
+        }
         let (gpu, lamps) = (&self.gpu, self.studio.lamps(rig)?);
-        let rows = RowTables::new(gpu, rows, self.patches.count)?;
+        let tables = RowTables::new(gpu, rows.rows(), self.patches.count)?;
         let wide = |values: &[[f32; 3]], w| values.iter().map(|&v| vec4(v, w)).collect::<Vec<_>>();
         let points = Points {
             position: gpu.storage("points", &wide(position, 1.0), "take the points in parts")?,
             normal: gpu.storage("normals of points", &wide(normal, 0.0), "take the points in parts")?,
-            irradiance: rows.vectors(gpu, "direct light of points")?,
+            irradiance: tables.vectors(gpu, "direct light of points")?,
             count,
         };
         let mut encoder = gpu.encoder();
-        let sky = Mixture { share: 0.0, sky: lamps.sky.map(|l| PI * l) };
-        let nothing = self.patches.vectors(gpu, "no light")?;
-        self.gather_into(&mut encoder, &rows, sky, &nothing, &points.irradiance);
+        let sky = lamps.sky.map(|l| PI * l);
+        if let PointRows::Interpolated(_) = rows {
+            let nothing = self.patches.vectors(gpu, "no light")?;
+            self.gather_into(&mut encoder, &tables, Mixture { share: 0.0, sky }, &nothing, &points.irradiance);
+        }
         let h0 = self.light_patches(&mut encoder, &lamps, &[&points])?;
         let h = self.bounce(&mut encoder, &h0)?;
-        let indirect = rows.vectors(gpu, "indirect light of points")?;
-        self.gather_into(&mut encoder, &rows, Mixture { share: 1.0, sky: [0.0; 3] }, &h, &indirect);
+        let indirect = tables.vectors(gpu, "indirect light of points")?;
+        let light = match rows {
+            PointRows::Interpolated(_) => h,
+            PointRows::Gathered { .. } => {
+                let b = self.patches.vectors(gpu, "radiosity of patches")?;
+                self.patches.radiosity(gpu, &mut encoder, [&h0, &h], &b);
+                b
+            }
+        };
+        self.gather_into(&mut encoder, &tables, Mixture { share: 1.0, sky: [0.0; 3] }, &light, &indirect);
         let downloads = [&points.irradiance, &indirect].map(|b| gpu.download(&mut encoder, b, count));
-        let [direct, indirect] = gpu.finish(encoder, downloads)?;
+        let [mut direct, indirect] = gpu.finish(encoder, downloads)?;
+        if let PointRows::Gathered { sky: seen, .. } = rows {
+            for (e, seen) in direct.iter_mut().zip(seen) {
+                *e = std::array::from_fn(|c| e[c] + sky[c] * seen);
+            }
+        }
         Ok(PointLight { direct, indirect })
     }
 

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Room, cornell, diagonal_operator, difference, gpu, inside, room, wall};
 use gpu_runtime::{Gpu, GpuRuntime, Params};
-use radfile::Quiet;
+use radfile::{PointRows, Quiet, Rows};
 use relight::{PatchSamples, Relighter};
 use scene::{Light, LightRig, Rays};
 
@@ -117,7 +117,8 @@ fn a_lamp_over_a_floor_obeys_the_inverse_square_law() {
     let runtime = runtime(&gpu, &room, &Params { patch_samples: 4, ..Params::default() });
     let position: Vec<[f32; 3]> = (0..200).map(|i| [0.019 * i as f32 - 1.9, 0.3, 0.0]).collect();
     let normal = vec![[0.0, 0.0, 1.0]; 200];
-    let mut rows = radfile::Rows { row_start: vec![0; 201], ..Default::default() };
+    let empty = |n: usize| PointRows::Interpolated(Rows { row_start: vec![0; n + 1], ..Rows::default() });
+    let rows = empty(200);
     let lamp = Light::Point { position: [0.1, 0.2, 1.5], intensity: [6.0, 3.0, 1.0] };
     let found = runtime.relight_points(&rig(lamp), &position, &normal, &rows).unwrap().direct;
     for (p, h) in position.iter().zip(&found) {
@@ -130,8 +131,7 @@ fn a_lamp_over_a_floor_obeys_the_inverse_square_law() {
     let below: Vec<[f32; 3]> = position.iter().map(|p| [p[0], p[1], -0.5]).collect();
     let below = runtime.relight_points(&rig(lamp), &below, &normal, &rows).unwrap().direct;
     assert!(away.iter().chain(&below).all(|h| *h == [0.0; 3]));
-    rows.row_start.pop();
-    let text = runtime.relight_points(&rig(lamp), &position, &normal, &rows).unwrap_err().to_string();
+    let text = runtime.relight_points(&rig(lamp), &position, &normal, &empty(199)).unwrap_err().to_string();
     assert_eq!(text, "200 points have 200 normals and 199 rows of weights");
 }
 

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Numbers, cornell, diagonal_operator, gpu, room, wall};
 use gpu_runtime::{GpuRuntime, Params};
-use radfile::Rows;
+use radfile::{PointRows, Rows};
 use scene::{Light, LightRig};
 
 /// Weights of a few patches each, some rows empty.
@@ -70,6 +70,24 @@ fn a_frame_in_one_submission_is_the_sum_of_its_parts() {
         let sky = std::f32::consts::PI * 0.4 * room.sky[i];
         assert!((with[2] - without[2] - sky).abs() < 1e-5 * (1.0 + with[2]), "patch {i}");
     }
-    let points = runtime.relight_points(&rig, &room.transfer.position, &room.transfer.normal, &room.transfer.rows);
-    assert_eq!(points.unwrap().indirect, frame.receivers);
+    let (position, normal) = (&room.transfer.position, &room.transfer.normal);
+    let rows = PointRows::Interpolated(room.transfer.rows.clone());
+    assert_eq!(runtime.relight_points(&rig, position, normal, &rows).unwrap().indirect, frame.receivers);
+
+    // A last gather takes what the patches send, and the sky as its points see it.
+    let seen: Vec<f32> = (0..position.len()).map(|i| (i % 5) as f32 * 0.2).collect();
+    let rows = PointRows::Gathered { rows: room.transfer.rows.clone(), sky: seen.clone() };
+    let gathered = runtime.relight_points(&rig, position, normal, &rows).unwrap();
+    let in_the_dark = runtime.relight_points(&dark, position, normal, &rows).unwrap();
+    let bake_light = relight::Frame { direct: frame.direct, indirect: frame.indirect };
+    let expected = room.transfer.rows.gather(&relight::radiosity(&room.patches, &bake_light));
+    for (i, (found, wanted)) in gathered.indirect.iter().zip(&expected).enumerate() {
+        assert!((found[1] - wanted[1]).abs() <= 1e-5 * wanted[1], "point {i}: {found:?}, the twin has {wanted:?}");
+        let sky = std::f32::consts::PI * 0.4 * seen[i];
+        let found = gathered.direct[i][2] - in_the_dark.direct[i][2];
+        assert!((found - sky).abs() < 1e-5 * (1.0 + gathered.direct[i][2]), "point {i}: sky {found}, expected {sky}");
+    }
+    let short = PointRows::Gathered { rows: room.transfer.rows.clone(), sky: seen[1..].to_vec() };
+    let text = runtime.relight_points(&rig, position, normal, &short).unwrap_err().to_string();
+    assert!(text.contains("shares of the sky"), "{text}");
 }

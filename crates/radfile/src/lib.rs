@@ -77,4 +77,4 @@ pub use permutation::Permutation;
 pub use progress::{Progress, Quiet};
 pub use provenance::{Provenance, Step, digest};
 pub use record::{Record, SECTIONS};
-pub use transfer::{FineMesh, NO_RECEIVER, Rows, Transfer};
+pub use transfer::{FineMesh, NO_RECEIVER, PointRows, Rows, Transfer};

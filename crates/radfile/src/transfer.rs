@@ -41,6 +41,30 @@ impl Rows {
     }
 }
 
+/// How light comes from the patches to points.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PointRows {
+    /// From patches around each point: the rows weigh irradiance, and each sums to 1.
+    Interpolated(Rows),
+    /// From all that each point sees: the rows are its form factors and weigh radiosity; with the sky they sum to at
+    /// most 1.
+    Gathered {
+        /// Form factors of the points, row = point, column = patch.
+        rows: Rows,
+        /// What each point sees of the sky.
+        sky: Vec<f32>,
+    },
+}
+
+impl PointRows {
+    /// Weights or form factors, one row a point.
+    pub fn rows(&self) -> &Rows {
+        match self {
+            PointRows::Interpolated(rows) | PointRows::Gathered { rows, .. } => rows,
+        }
+    }
+}
+
 /// Marks a corner of a fine triangle whose side nobody can see.
 pub const NO_RECEIVER: u32 = u32::MAX;
 

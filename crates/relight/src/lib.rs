@@ -30,7 +30,7 @@ pub use bounces::bounces;
 pub use direct::{DirectLight, Samples};
 pub use error::{Error, Result};
 pub use patch_light::{PatchSamples, patch_irradiance};
-pub use points::{PointLight, light_at_points, surface_points};
+pub use points::{PointLight, light_at_points, radiosity, surface_points};
 pub use product::{indirect, multiply};
 pub use relighter::{Frame, Relighter};
 pub use render::{Image, Look, Parts, Shown, render};

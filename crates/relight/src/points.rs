@@ -1,11 +1,11 @@
 //! Light at given points: direct by rays, indirect by rows of weights over the patches.
 
 use glam::{DVec3, Vec3};
-use radfile::{Mesh, Progress, Rows};
+use radfile::{Mesh, Patches, PointRows, Progress};
 use rayon::prelude::*;
 use scene::SurfacePoint;
 
-use crate::{DirectLight, Samples, direct::loose_point};
+use crate::{DirectLight, Frame, Samples, direct::loose_point};
 
 /// Irradiance at points, W/m².
 #[derive(Clone, Debug, PartialEq)]
@@ -28,20 +28,34 @@ pub fn surface_points(mesh: &Mesh, position: &[[f64; 3]], normal: &[[f32; 3]]) -
     position.iter().zip(normal).map(|(p, n)| loose_point(local(p), Vec3::from(*n).normalize_or_zero())).collect()
 }
 
-/// Light at every point; `rows` weigh the patches whose irradiance is `indirect`.
+/// Radiosity ρ (H⁰ + H) of patches without emission, W/m²: what the last gather collects. Emitters are direct light.
 ///
 /// # Panics
 ///
-/// If there are not as many rows as points: a bug in the caller.
+/// If the frame is of another number of patches: a bug in the caller.
+pub fn radiosity(patches: &Patches, frame: &Frame) -> Vec<[f32; 3]> {
+    assert!(frame.direct.len() == patches.len() && frame.indirect.len() == patches.len(), "one value a patch");
+    let arriving = frame.direct.iter().zip(&frame.indirect);
+    patches.reflectance.iter().zip(arriving).map(|(rho, (d, i))| std::array::from_fn(|c| rho[c] * (d[c] + i[c]))).collect()
+}
+
+/// Light at every point, by `rows` from the light of the patches.
+///
+/// Interpolated rows take the irradiance of the frame: as many bounces as it holds. Gathered ones add a bounce to it.
+///
+/// # Panics
+///
+/// If there are not as many rows as points, or the frame is of other patches: a bug in the caller.
 pub fn light_at_points(
     direct: &DirectLight,
     points: &[SurfacePoint],
-    rows: &Rows,
-    indirect: &[[f32; 3]],
+    rows: &PointRows,
+    patches: &Patches,
+    frame: &Frame,
     samples: &Samples,
     progress: &dyn Progress,
 ) -> PointLight {
-    assert_eq!(rows.len(), points.len(), "one row a point");
+    assert_eq!(rows.rows().len(), points.len(), "one row a point");
     progress.begin("direct light of points", points.len() as u64);
     let direct = points
         .par_iter()
@@ -52,5 +66,9 @@ pub fn light_at_points(
             light.map(|e| e as f32)
         })
         .collect();
-    PointLight { direct, indirect: rows.gather(indirect) }
+    let indirect = match rows {
+        PointRows::Interpolated(rows) => rows.gather(&frame.indirect),
+        PointRows::Gathered { rows, .. } => rows.gather(&radiosity(patches, frame)),
+    };
+    PointLight { direct, indirect }
 }
