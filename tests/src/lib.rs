@@ -1,11 +1,14 @@
-//! What the whole-pipeline tests share: the program under test, reference points, and the
-//! generators of the bundled scenes.
+//! What the whole-pipeline tests share: the program under test, rooms to put it in, reference points,
+//! and the generators of the bundled scenes.
 
 pub mod apartment;
 pub mod cornell;
 pub mod mesh_text;
+pub mod patch_light;
 pub mod program;
 pub mod reference;
+pub mod shapes;
+pub mod workbench;
 
 use std::{
     io::Write,
@@ -25,6 +28,12 @@ pub fn asset(path: &str) -> String {
 /// A path as an argument of the program.
 pub fn text(path: &Path) -> String {
     path.to_str().expect("UTF-8").to_owned()
+}
+
+/// A file of `tests/data`.
+pub fn data(name: &str) -> serde_json::Value {
+    let text = std::fs::read_to_string(root().join("tests/data").join(name)).expect(name);
+    serde_json::from_str(&text).expect("JSON")
 }
 
 /// Says that a test is skipped, past the capture of passing tests' output, which swallows what `println!` prints.
