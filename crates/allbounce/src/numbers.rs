@@ -33,3 +33,10 @@ pub fn tolerance(text: &str) -> Result<f64, String> {
     let fits = |v: &f64| *v >= 0.0 && v.is_finite();
     text.parse().ok().filter(fits).ok_or_else(|| "expected a number that is not negative".into())
 }
+
+/// A relative error: `1%` or `0.01`, above 0 and at most 1.
+pub fn relative_error(text: &str) -> Result<f64, String> {
+    let (number, factor) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 0.01));
+    let value = number.trim().parse::<f64>().map(|v| v * factor);
+    value.ok().filter(|v| *v > 0.0 && *v <= 1.0).ok_or_else(|| "expected a relative error such as 1%".into())
+}

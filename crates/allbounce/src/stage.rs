@@ -28,6 +28,11 @@ pub trait Stage {
         progress: &dyn Progress,
         sink: &mut Sink,
     ) -> anyhow::Result<Self::Report>;
+
+    /// What people should not miss in the report, a sentence each.
+    fn warnings(&self, _report: &Self::Report) -> Vec<String> {
+        vec![]
+    }
 }
 
 // A doc comment here would stand in every stage's help, before its own.
@@ -89,6 +94,7 @@ pub fn apply<S: Stage>(
     drop(progress);
     let report = StageReport { stage: S::NAME, seconds: session.seconds() - start, numbers };
     session.print(S::NAME, &report)?;
+    stage.warnings(&report.numbers).iter().for_each(|line| session.warn(line));
     Ok(report)
 }
 

@@ -1,24 +1,34 @@
-//! Counting, joining and closing in order, and the figures of the report.
+//! Rays, joining and closing in order, and the figures of the report.
 
 use radfile::{FormFactors, Mesh, Patches, Progress};
 use rayon::prelude::*;
 use scene::{PatchSampler, Rays};
 
 use crate::{
-    Error, Params, Report, Result, closure,
+    Budget, Error, Params, Report, Result,
+    allocation::{self, Aim},
+    closed::{Closed, close, share},
     gather::{Surroundings, Tally},
-    reciprocity,
-    report::worst,
+    halves::{self, Halves},
+    probes::{Light, Probes},
+    report::{PairLimit, worst},
 };
 
 /// A row counts as met if its sum differs from what was measured by no more than this.
 const MET: f64 = 1e-6;
+/// Rays are sent no more often than this.
+const ROUNDS: u32 = 16;
 
-/// Bytes that [`form_factors`] takes at most for `patches` patches: the matrix, in which counts become
-/// exchange areas and those form factors in place, and a few vectors.
-pub fn memory_needed(patches: usize) -> u64 {
+/// Bytes that [`form_factors`] takes at most for `patches` patches: the counts of both halves, which
+/// become exchange areas and those form factors in place, where rays follow the error a matrix to
+/// try that on, and the vectors of the probes.
+pub fn memory_needed(patches: usize, budget: Budget) -> u64 {
     let n = patches as u64;
-    n.saturating_mul(n).saturating_mul(4).saturating_add(n.saturating_mul(256))
+    let matrices = match budget {
+        Budget::Rays(_) => 2,
+        Budget::Error { .. } => 3,
+    };
+    n.saturating_mul(n).saturating_mul(4 * matrices).saturating_add(n.saturating_mul(2048))
 }
 
 /// Measures the form factors of all patches.
@@ -28,16 +38,16 @@ pub fn memory_needed(patches: usize) -> u64 {
 /// | `mesh` | the triangles that rays meet |
 /// | `patches` | n patches made of pieces of that mesh |
 /// | returns `.0` | F, n × n, row i = receiver, column j = sender, and the sky of each patch |
-/// | returns `.1` | what was measured and how well it closed |
+/// | returns `.1` | what was measured, how noisy it is and how well it closed |
 ///
-/// A_i F_ij = A_j F_ji holds to rounding, and Σ_j F_ij ≤ 1. Rays that meet nothing are sky; rays that
-/// meet a face without patch (the back of a one-sided surface) are absorbed: Σ_j F_ij + sky_i +
-/// absorbed_i = 1, where absorbed_i is the measured share. A patch none of whose rays escaped has
-/// sky 0, even if its row could not be brought to its full sum; the report names such rows.
+/// A_i F_ij = A_j F_ji holds to rounding, F_ij ≥ 0, Σ_j F_ij ≤ 1, so A_i F_ij ≤ min(A_i, A_j). Rays that
+/// meet nothing are sky; rays that meet a face without patch (the back of a one-sided surface) are
+/// absorbed: Σ_j F_ij + sky_i + absorbed_i = 1, where absorbed_i is the measured share. A patch none of
+/// whose rays escaped has sky 0, even if its row could not be brought to its full sum; the report names such rows.
 ///
 /// # Errors
 ///
-/// [`Error::NoPatches`], [`Error::NoRays`], [`Error::Memory`].
+/// [`Error::NoPatches`], [`Error::TooFewRays`], [`Error::Target`], [`Error::Memory`].
 ///
 /// # Panics
 ///
@@ -52,124 +62,143 @@ pub fn form_factors(
     if n == 0 {
         return Err(Error::NoPatches);
     }
-    if params.rays == 0 {
-        return Err(Error::NoRays);
-    }
     assert_eq!(patches.locator.face_start.len(), mesh.face_count() + 1, "patches of another mesh");
-    let mut matrix = allocate(n)?;
-
+    check(params.budget)?;
+    let halves = Halves::new(n, memory_needed(n, params.budget))?;
     let rays = Rays::new(mesh);
     let surroundings = Surroundings { rays: &rays, sampler: PatchSampler::new(patches), patches };
-    progress.begin("form factor rays", n as u64);
-    let gather = |(patch, row): (usize, &mut [f32])| {
-        let tally = surroundings.gather(patch, params, row);
-        progress.advance(1);
-        tally
+    let probes = Probes::new(patches, &rays, params.seed);
+    let run = Run { surroundings, probes, seed: params.seed, progress };
+    let measured = match params.budget {
+        Budget::Rays(rays) => run.evenly(halves, rays),
+        Budget::Error { target, max_rays } => run.by_error(halves, target, max_rays)?,
     };
-    let tallies: Vec<Tally> = matrix.par_chunks_exact_mut(n).enumerate().map(gather).collect();
+    let report = report(patches, params.budget, &measured);
+    Ok((FormFactors { values: measured.factors.into(), sky: measured.closed.sky.into() }, report))
+}
 
-    let area = &patches.area;
-    let reciprocity_before = reciprocity::join(&mut matrix, area, &tallies);
-    let before = closure::row_sums(&matrix, &vec![1.0; n]);
-    let rows: Vec<Row> = (0..n).map(|i| Row::new(&tallies[i], f64::from(area[i]), before[i])).collect();
-    let wanted: Vec<f64> = rows.iter().map(|r| r.wanted).collect();
-    let scaling = closure::scale_to_row_sums(&matrix, &wanted);
-    let sums = finish(&mut matrix, area, &rows, &scaling.factor);
+fn check(budget: Budget) -> Result<()> {
+    let (found, least) = match budget {
+        Budget::Rays(rays) => (rays, 2),
+        Budget::Error { max_rays, .. } => (max_rays, allocation::PILOT),
+    };
+    match budget {
+        _ if found < least => Err(Error::TooFewRays { found, least }),
+        Budget::Error { target, .. } if !(target > 0.0 && target.is_finite()) => Err(Error::Target(target)),
+        _ => Ok(()),
+    }
+}
 
-    let sky = sums.iter().zip(&rows).map(|(sum, row)| row.sky(*sum)).collect::<Vec<f32>>();
-    let errors_before: Vec<f64> = (0..n).map(|i| (before[i] - wanted[i]).abs() / f64::from(area[i])).collect();
-    let errors: Vec<f64> = (0..n).map(|i| (sums[i] - wanted[i] / f64::from(area[i])).abs()).collect();
+/// What all rounds need.
+struct Run<'a> {
+    surroundings: Surroundings<'a>,
+    probes: Probes,
+    seed: u32,
+    progress: &'a dyn Progress,
+}
+
+/// Form factors and what is known of them.
+struct Measured {
+    factors: Vec<f32>,
+    closed: Closed,
+    tallies: Vec<Tally>,
+    row_errors: Vec<f64>,
+    irradiance_error: f64,
+    rounds: u32,
+}
+
+impl Run<'_> {
+    fn evenly(&self, mut halves: Halves, rays: u32) -> Measured {
+        halves.trace(&self.surroundings, self.seed, &vec![rays; halves.tallies.len()], self.progress);
+        let row_errors = halves.row_errors();
+        halves::add(&mut halves.first, &halves.second);
+        let (tallies, of_half) = (halves.total_tallies(), halves.second_tallies());
+        let (_, half_light) = self.close(&mut halves.second, &of_half, None);
+        drop(halves.second);
+        let mut factors = halves.first;
+        let (closed, light) = self.close(&mut factors, &tallies, Some(&half_light));
+        let irradiance_error = self.probes.error(&light, &half_light);
+        Measured { factors, closed, tallies, row_errors, irradiance_error, rounds: 1 }
+    }
+
+    fn by_error(&self, mut halves: Halves, target: f64, most: u32) -> Result<Measured> {
+        let n = halves.tallies.len();
+        let mut factors = halves::matrix(n, memory_needed(n, Budget::Error { target, max_rays: most }))?;
+        let mut wanted = vec![allocation::PILOT; n];
+        for rounds in 1.. {
+            halves.trace(&self.surroundings, self.seed, &wanted, self.progress);
+            factors.copy_from_slice(&halves.second);
+            let (_, half_light) = self.close(&mut factors, &halves.second_tallies(), None);
+            factors.copy_from_slice(&halves.first);
+            halves::add(&mut factors, &halves.second);
+            let tallies = halves.total_tallies();
+            let (closed, light) = self.close(&mut factors, &tallies, Some(&half_light));
+            let error = self.probes.error(&light, &half_light);
+            let next = match error > target && rounds < ROUNDS {
+                true => allocation::plan(&self.probes.area, &factors, &wanted, Aim { error, target, most }),
+                false => wanted.clone(),
+            };
+            if next == wanted {
+                let row_errors = halves.row_errors();
+                return Ok(Measured { factors, closed, tallies, row_errors, irradiance_error: error, rounds });
+            }
+            wanted = next;
+        }
+        unreachable!("the last round plans nothing more")
+    }
+
+    /// Closes the counts in `matrix` in place and lights the probes with what they become.
+    fn close(&self, matrix: &mut [f32], tallies: &[Tally], guess: Option<&Light>) -> (Closed, Light) {
+        let closed = close(matrix, self.surroundings.patches, tallies);
+        let light = self.probes.light(matrix, guess);
+        (closed, light)
+    }
+}
+
+fn report(patches: &Patches, budget: Budget, measured: &Measured) -> Report {
+    let n = patches.len();
+    let Measured { factors, closed, tallies, row_errors, irradiance_error, rounds } = measured;
     let total = |f: fn(&Tally) -> u32| tallies.iter().map(|t| u64::from(f(t))).sum::<u64>();
-    let report = Report {
+    let samples: Vec<u32> = tallies.iter().map(Tally::samples).collect();
+    let irradiance_target = match budget {
+        Budget::Rays(_) => None,
+        Budget::Error { target, .. } => Some(target),
+    };
+    Report {
         patches: n,
         rays: total(|t| t.rays),
+        rays_least: samples.iter().copied().min().unwrap_or(0),
+        rays_mean: total(Tally::samples) as f64 / n as f64,
+        rays_most: samples.iter().copied().max().unwrap_or(0),
+        rounds: *rounds,
+        irradiance_error: *irradiance_error,
+        irradiance_target,
+        target_met: irradiance_target.is_none_or(|target| *irradiance_error <= target),
+        row_error_mean: mean(row_errors),
+        row_error_max: largest(row_errors),
+        noisiest_rows: worst(row_errors, 0.0),
         escaped: total(|t| t.escaped),
         absorbed: total(|t| t.absorbed),
         moved: total(|t| t.moved),
         discarded: total(|t| t.discarded),
         blind_patches: tallies.iter().filter(|t| t.rays == 0).count(),
         mean_hit_fraction: mean(&tallies.iter().map(|t| share(t.hits, t.rays)).collect::<Vec<_>>()),
-        nonzero_share: matrix.par_iter().filter(|v| **v != 0.0).count() as f64 / (n * n) as f64,
-        reciprocity_before,
-        reciprocity_after: reciprocity::error(&matrix, area),
-        closure_before_max: largest(&errors_before),
-        closure_before_mean: mean(&errors_before),
-        closure_after_max: largest(&errors),
-        closure_after_mean: mean(&errors),
-        iterations: scaling.iterations,
-        converged: scaling.converged,
-        rows_not_met: errors.iter().filter(|e| **e > MET).count(),
-        worst_rows: worst(&errors_before, 0.0),
-        worst_not_met: worst(&errors, MET),
-    };
-    Ok((FormFactors { values: matrix.into(), sky: sky.into() }, report))
-}
-
-/// What a row has to be, from what its rays met.
-struct Row {
-    /// Σ_j E_ij that was measured, m².
-    wanted: f64,
-    /// Σ_j E_ij that must not be passed, m².
-    limit: f64,
-    /// Whether some ray escaped, so that what the row lacks is sky.
-    sees_sky: bool,
-    /// Share of the rays that were absorbed.
-    absorbed: f64,
-}
-
-impl Row {
-    /// `joined` is the row sum from the rays of both ends: all there is to know of a blind patch.
-    fn new(tally: &Tally, area: f64, joined: f64) -> Row {
-        if tally.rays == 0 {
-            return Row { wanted: joined.min(area), limit: area, sees_sky: false, absorbed: 0.0 };
-        }
-        let (wanted, absorbed) = (area * share(tally.hits, tally.rays), share(tally.absorbed, tally.rays));
-        let sees_sky = tally.escaped > 0;
-        // Sky takes what a row lacks; where none was seen, the row must not pass its measured sum.
-        let limit = if sees_sky { area * (1.0 - absorbed) } else { wanted };
-        Row { wanted, limit, sees_sky, absorbed }
+        nonzero_share: factors.par_iter().filter(|v| **v != 0.0).count() as f64 / (n * n) as f64,
+        reciprocity_before: closed.reciprocity_before,
+        reciprocity_after: closed.limits.reciprocity,
+        fullest_pair: PairLimit { patches: closed.limits.fullest_pair, share: closed.limits.fullest },
+        least_factor: closed.limits.least,
+        balance_max: largest(&closed.balance),
+        closure_before_max: largest(&closed.errors_before),
+        closure_before_mean: mean(&closed.errors_before),
+        closure_after_max: largest(&closed.errors),
+        closure_after_mean: mean(&closed.errors),
+        iterations: closed.iterations,
+        converged: closed.converged,
+        rows_not_met: closed.errors.iter().filter(|e| **e > MET).count(),
+        worst_rows: worst(&closed.errors_before, 0.0),
+        worst_not_met: worst(&closed.errors, MET),
     }
-
-    fn sky(&self, sum: f64) -> f32 {
-        if self.sees_sky { (1.0 - self.absorbed - sum).max(0.0) as f32 } else { 0.0 }
-    }
-}
-
-/// Turns exchange areas into form factors; returns the sums of the stored rows.
-///
-/// A row above its limit shrinks to it. A pair shrinks by the stricter of its two ends, so that
-/// it stays reciprocal and no row rises.
-fn finish(matrix: &mut [f32], area: &[f32], rows: &[Row], factor: &[f64]) -> Vec<f64> {
-    let sums = closure::row_sums(matrix, factor);
-    let shrink: Vec<f64> = sums.iter().zip(rows).map(|(&m, r)| if m > r.limit { r.limit / m } else { 1.0 }).collect();
-    let finish_row = |(i, row): (usize, &mut [f32])| {
-        let mut sum = 0.0;
-        for (j, value) in row.iter_mut().enumerate() {
-            let exchange = f64::from(*value) * factor[i] * factor[j] * shrink[i].min(shrink[j]);
-            *value = (exchange / f64::from(area[i])) as f32;
-            sum += f64::from(*value);
-        }
-        sum
-    };
-    matrix.par_chunks_exact_mut(area.len()).enumerate().map(finish_row).collect()
-}
-
-/// A matrix of zeros, or the error that says how much was asked for.
-fn allocate(patches: usize) -> Result<Vec<f32>> {
-    let refused = Error::Memory { patches, bytes: memory_needed(patches) };
-    let Some(elements) = patches.checked_mul(patches) else { return Err(refused) };
-    let mut matrix = Vec::new();
-    match matrix.try_reserve_exact(elements) {
-        Ok(()) => {
-            matrix.resize(elements, 0.0);
-            Ok(matrix)
-        }
-        Err(_) => Err(refused),
-    }
-}
-
-fn share(part: u32, whole: u32) -> f64 {
-    if whole == 0 { 0.0 } else { f64::from(part) / f64::from(whole) }
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -178,41 +207,4 @@ fn mean(values: &[f64]) -> f64 {
 
 fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, f64::max)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Two patches that see nothing but each other: 1 m² and 0.98 m² cannot both send all they have.
-    #[test]
-    fn a_pair_that_its_ends_disagree_on_takes_the_stricter_end() {
-        let area = [1.0, 0.98];
-        let tally = Tally { rays: 100, hits: 100, ..Tally::default() };
-        let rows = [0, 1].map(|i| Row::new(&tally, f64::from(area[i]), 0.99));
-        let mut matrix = vec![0.0, 0.99, 0.99, 0.0];
-        let wanted: Vec<f64> = rows.iter().map(|r| r.wanted).collect();
-        let scaling = closure::scale_to_row_sums(&matrix, &wanted);
-        assert!(scaling.converged);
-        let sums = finish(&mut matrix, &area, &rows, &scaling.factor);
-        assert!((sums[0] - 0.98).abs() < 1e-6 && (sums[1] - 1.0).abs() < 1e-6, "rows sum to {sums:?}");
-        assert_eq!((rows[0].sky(sums[0]), rows[1].sky(sums[1])), (0.0, 0.0), "no sky where none was seen");
-    }
-
-    #[test]
-    fn a_patch_without_samples_keeps_what_others_saw_of_it() {
-        let row = Row::new(&Tally::default(), 2.0, 0.5);
-        assert_eq!((row.wanted, row.limit, row.sky(0.25)), (0.5, 2.0, 0.0));
-        assert_eq!(Row::new(&Tally::default(), 2.0, 3.0).wanted, 2.0, "but never more than its area");
-    }
-
-    #[test]
-    fn a_matrix_that_no_machine_holds_is_refused_with_its_size() {
-        for patches in [1 << 40, 1 << 30] {
-            let error = allocate(patches).expect_err("more bytes than an address has");
-            let text = error.to_string();
-            assert!(text.starts_with(&format!("form factors of {patches} patches need ")), "{text}");
-            assert!(text.ends_with("bytes of memory, which are not there; use fewer patches"), "{text}");
-        }
-    }
 }

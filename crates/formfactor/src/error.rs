@@ -10,9 +10,17 @@ pub enum Error {
     /// There is nothing to measure.
     #[error("there are no patches; make them with `allbounce voxel-simplify`")]
     NoPatches,
-    /// No rays were asked for.
-    #[error("0 rays a patch measure nothing, expected at least 1")]
-    NoRays,
+    /// There are no halves to compare, or none that say anything.
+    #[error("rays a patch: {found}, expected at least {least}")]
+    TooFewRays {
+        /// Rays that were asked for.
+        found: u32,
+        /// Fewest that are of use.
+        least: u32,
+    },
+    /// The error asked for is no positive number.
+    #[error("error of irradiance: {0}, expected a number above 0, such as 0.01")]
+    Target(f64),
     /// The matrix does not fit into memory.
     #[error("form factors of {patches} patches need {bytes} bytes of memory, which are not there; use fewer patches")]
     Memory {

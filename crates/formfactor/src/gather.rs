@@ -3,11 +3,11 @@
 //! A sample is one point of a four-dimensional Sobol sequence: two numbers place it on the patch,
 //! two give the direction. The density cos θ / π makes the plain count an unbiased estimate of F.
 
+use std::ops::{Add, Range};
+
 use glam::Vec3;
 use radfile::{Patches, face_id};
 use scene::{PatchSampler, Rays, Sobol, cosine_direction, hash};
-
-use crate::Params;
 
 /// What became of the samples of one patch.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,6 +26,28 @@ pub struct Tally {
     pub discarded: u32,
 }
 
+impl Tally {
+    /// Samples, with a ray or without.
+    pub fn samples(&self) -> u32 {
+        self.rays + self.discarded
+    }
+}
+
+impl Add for Tally {
+    type Output = Tally;
+
+    fn add(self, other: Tally) -> Tally {
+        Tally {
+            rays: self.rays + other.rays,
+            hits: self.hits + other.hits,
+            escaped: self.escaped + other.escaped,
+            absorbed: self.absorbed + other.absorbed,
+            moved: self.moved + other.moved,
+            discarded: self.discarded + other.discarded,
+        }
+    }
+}
+
 /// Where patches can be sampled and what their rays meet.
 pub struct Surroundings<'a> {
     pub rays: &'a Rays,
@@ -37,12 +59,12 @@ pub struct Surroundings<'a> {
 const ROUNDING_SHARE: f32 = 0.25;
 
 impl Surroundings<'_> {
-    /// Sends the rays of `patch`; `row[j]` becomes the number that met patch j.
-    pub fn gather(&self, patch: usize, params: &Params, row: &mut [f32]) -> Tally {
-        let sobol = Sobol::new(hash(params.seed, patch as u32));
+    /// Sends the `samples` of the sequence of `patch`; `row[j]` grows by the number that met patch j.
+    pub fn gather(&self, patch: usize, samples: Range<u32>, seed: u32, row: &mut [f32]) -> Tally {
+        let sobol = Sobol::new(hash(seed, patch as u32));
         let mut counts = vec![0u32; row.len()];
         let mut tally = Tally::default();
-        for k in 0..params.rays {
+        for k in samples {
             let [x, y, u, v] = sobol.sample(k);
             let point = self.sampler.point(patch, x, y);
             let Some(origin) = self.start(point.position, point.normal, point.triangle, &mut tally) else {
@@ -64,7 +86,7 @@ impl Surroundings<'_> {
             }
         }
         for (value, count) in row.iter_mut().zip(counts) {
-            *value = count as f32;
+            *value += count as f32;
         }
         tally
     }

@@ -6,37 +6,64 @@
 //! that each row sums to the share of its rays that met a patch. What comes out is reciprocal and
 //! has no row above 1, so the bounce series of the next stage converges for every reflectance below 1.
 //!
-//! - `gather.rs`: the rays of one patch.
+//! - `gather.rs`: the rays of one patch; `halves.rs`: those of all, counted in two halves.
 //! - `reciprocity.rs`: two measurements of a pair become one.
-//! - `closure.rs`: the scaling of rows.
-//! - `assemble.rs`: the three in order, and the figures of the report.
+//! - `closure.rs`: the scaling of rows; `closed.rs`: from counts to F, held to its limits.
+//! - `probes.rs`: what an error of F does to light; `allocation.rs`: which patches need more rays.
+//! - `assemble.rs`: all in order, and the figures of the report.
 //!
 //! Start at [`form_factors`]. Equations: docs/design.md §2, identity 1; method: docs/design.md §6.2.
 
+mod allocation;
 mod assemble;
+mod closed;
 mod closure;
 mod error;
 mod gather;
+mod halves;
+mod probes;
 mod reciprocity;
 mod report;
 mod stage;
 
+pub use allocation::PILOT;
 pub use assemble::{form_factors, memory_needed};
 pub use error::{Error, Result};
-pub use report::{Report, RowError};
+pub use report::{PairLimit, Report, RowError};
 pub use stage::run;
 
 /// How form factors are measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Params {
-    /// Rays per patch; powers of two are stratified best.
-    pub rays: u32,
+    /// How many rays are spent.
+    pub budget: Budget,
     /// Scrambles the rays; the same seed gives the same bytes.
     pub seed: u32,
 }
 
+/// How many rays are spent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// So many at every patch, at least 2; powers of two are stratified best.
+    Rays(u32),
+    /// As many as it takes, where they are worth most.
+    Error {
+        /// `Report::irradiance_error` that is wanted: 0.01 is 1 %.
+        target: f64,
+        /// Rays that no patch passes, at least [`PILOT`].
+        max_rays: u32,
+    },
+}
+
+impl Params {
+    /// The same number of rays at every patch.
+    pub fn rays(rays: u32, seed: u32) -> Params {
+        Params { budget: Budget::Rays(rays), seed }
+    }
+}
+
 impl Default for Params {
     fn default() -> Params {
-        Params { rays: 4096, seed: 1 }
+        Params::rays(4096, 1)
     }
 }

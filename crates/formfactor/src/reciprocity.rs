@@ -31,18 +31,35 @@ pub fn join(matrix: &mut [f32], area: &[f32], tallies: &[Tally]) -> f64 {
     if mean > 0.0 { (difference / mean).sqrt() } else { 0.0 }
 }
 
-/// The largest |A_i F_ij − A_j F_ji| of finished form factors, relative to the pair's mean.
-pub fn error(values: &[f32], area: &[f32]) -> f64 {
+/// Finished form factors against what physics allows a pair.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// The largest |A_i F_ij − A_j F_ji| relative to the pair's mean.
+    pub reciprocity: f64,
+    /// The largest A_i F_ij / min(A_i, A_j), which is at most 1, and its i and j.
+    pub fullest: f64,
+    pub fullest_pair: [usize; 2],
+    /// The least F_ij, which is at least 0.
+    pub least: f64,
+}
+
+/// Holds every pair of finished form factors against its limits.
+pub fn limits(values: &[f32], area: &[f32]) -> Limits {
     let n = area.len();
-    let mut worst = 0.0f64;
+    let mut limits = Limits::default();
     for_each_pair(n, |i, j| {
         let there = f64::from(area[i]) * f64::from(values[i * n + j]);
         let back = f64::from(area[j]) * f64::from(values[j * n + i]);
+        limits.least = limits.least.min(there.min(back));
         if there + back > 0.0 {
-            worst = worst.max(2.0 * (there - back).abs() / (there + back));
+            limits.reciprocity = limits.reciprocity.max(2.0 * (there - back).abs() / (there + back));
+            let full = there.max(back) / f64::from(area[i].min(area[j]));
+            if full > limits.fullest {
+                (limits.fullest, limits.fullest_pair) = (full, [i, j]);
+            }
         }
     });
-    worst
+    limits
 }
 
 /// Calls `visit(i, j)` for every j ≤ i below `n`, square by square.

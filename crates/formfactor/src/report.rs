@@ -11,6 +11,25 @@ pub struct Report {
     pub patches: usize,
     /// Rays that were traced, all patches together.
     pub rays: u64,
+    /// Fewest, mean and most samples of a patch.
+    pub rays_least: u32,
+    pub rays_mean: f64,
+    pub rays_most: u32,
+    /// How often rays were sent, each time where they were worth most.
+    pub rounds: u32,
+    /// What noise of the form factors does to final light: standard error of indirect irradiance, RMS over
+    /// patches by area relative to the RMS of the irradiance itself, RMS over probe lamps; see `probes.rs`.
+    pub irradiance_error: f64,
+    /// The error that was asked for, if one was.
+    pub irradiance_target: Option<f64>,
+    /// Whether `irradiance_error` is no more than that.
+    pub target_met: bool,
+    /// Standard error of a row as measured by its own rays, ‖F¹ − F²‖ / ‖F¹ + F²‖ with the rows of the
+    /// two halves of its rays, before the rays of the other patches are joined to them: mean and largest.
+    pub row_error_mean: f64,
+    pub row_error_max: f64,
+    /// Up to five rows with the largest standard error, worst first.
+    pub noisiest_rows: Vec<RowError>,
     /// Rays that met no surface.
     pub escaped: u64,
     /// Rays that met a face without a patch, such as the back of a one-sided surface.
@@ -29,6 +48,12 @@ pub struct Report {
     pub reciprocity_before: f64,
     /// The largest |A_i F_ij − A_j F_ji| of the stored numbers, relative to the pair's mean.
     pub reciprocity_after: f64,
+    /// The pair that exchanges the largest part of what it can.
+    pub fullest_pair: PairLimit,
+    /// The least F_ij; below 0 there is a bug.
+    pub least_factor: f64,
+    /// Largest |Σ_j F_ij + sky_i + absorbed_i − 1|.
+    pub balance_max: f64,
     /// Largest row error after the two measurements of each pair were joined.
     pub closure_before_max: f64,
     /// Mean row error after the two measurements of each pair were joined.
@@ -52,7 +77,16 @@ pub struct Report {
     pub worst_not_met: Vec<RowError>,
 }
 
-/// A patch and how far its row is from what was measured.
+/// A pair of patches and A_i F_ij / min(A_i, A_j), which physics limits to 1.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PairLimit {
+    /// Numbers of the patches.
+    pub patches: [usize; 2],
+    /// Part of the limit.
+    pub share: f64,
+}
+
+/// A patch and the error of its row.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct RowError {
     /// Number of the patch.

@@ -11,7 +11,7 @@ const OPPOSED: f64 = 0.199824895698387;
 const PERPENDICULAR: f64 = 0.200043776075403;
 
 fn measure(room: &Room, rays: u32, seed: u32) -> (FormFactors<'static>, Report) {
-    form_factors(&room.mesh, &room.patches, &Params { rays, seed }, &Quiet).expect("patches and rays")
+    form_factors(&room.mesh, &room.patches, &Params::rays(rays, seed), &Quiet).expect("patches and rays")
 }
 
 fn row_sum(factors: &FormFactors, i: usize) -> f64 {
