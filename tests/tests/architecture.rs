@@ -71,6 +71,7 @@ fn stages_know_radfile_and_scene_and_nothing_else_of_ours() {
         assert!(known.is_subset(&allowed), "{stage} depends on {known:?}");
     }
     assert!(dependencies("radfile").is_disjoint(&ours()));
+    assert!(dependencies("plot").is_disjoint(&ours()));
     assert_eq!(dependencies("scene").intersection(&ours()).collect::<Vec<_>>(), ["radfile"]);
     for runtime in ["relight", "gpu-runtime"] {
         let known: BTreeSet<String> = dependencies(runtime).intersection(&ours()).cloned().collect();
@@ -80,8 +81,14 @@ fn stages_know_radfile_and_scene_and_nothing_else_of_ours() {
 
 #[test]
 fn heavy_dependencies_stand_in_one_room_each() {
-    let rooms =
-        [("wgpu", "gpu-runtime"), ("faer", "series"), ("obvhs", "scene"), ("bincode", "radfile"), ("tobj", "scene")];
+    let rooms = [
+        ("wgpu", "gpu-runtime"),
+        ("faer", "series"),
+        ("obvhs", "scene"),
+        ("bincode", "radfile"),
+        ("tobj", "scene"),
+        ("kuva", "plot"),
+    ];
     for (package, room) in rooms {
         for own in ours() {
             assert_eq!(dependencies(&own).contains(package), own == room, "{own} and {package}");
