@@ -80,6 +80,14 @@ fn stages_know_radfile_and_scene_and_nothing_else_of_ours() {
 }
 
 #[test]
+fn the_judge_shares_scenes_and_rays_with_what_it_judges_and_nothing_else() {
+    let known: BTreeSet<String> = dependencies("reference").intersection(&ours()).cloned().collect();
+    assert_eq!(known, BTreeSet::from(["radfile".to_owned(), "scene".to_owned()]));
+    let knows_it = |own: &String| dependencies(own).contains("reference");
+    assert_eq!(ours().into_iter().filter(knows_it).collect::<Vec<_>>(), ["allbounce"]);
+}
+
+#[test]
 fn heavy_dependencies_stand_in_one_room_each() {
     let rooms = [
         ("wgpu", "gpu-runtime"),

@@ -15,6 +15,7 @@ mod numbers;
 mod permute;
 mod pictures;
 mod progress;
+mod reference;
 mod relight;
 mod render;
 mod report;
@@ -37,6 +38,7 @@ Examples:
   allbounce bake room.glb -o room.rad --patches 3000
   allbounce relight room.rad --lights evening.json --points points.csv -o irradiance.csv
   allbounce render room.rad --lights evening.json --camera door.json -o evening.png --backend gpu
+  allbounce reference room.glb --lights evening.json --points points.csv -o truth.csv --rel-error 1%
 
 evening.json: { \"use_scene_emission\": true, \"lights\": [
   { \"type\": \"point\", \"position\": [2, 1.5, 3], \"intensity\": [10, 9, 7] } ] }
@@ -64,6 +66,7 @@ enum Command {
     Transfer(stage::Args<transfer::Options>),
     Relight(relight::Args),
     Render(render::Args),
+    Reference(reference::Args),
     Inspect(inspect::Args),
     Verify(verify::Args),
     Diff(diff::Args),
@@ -92,6 +95,7 @@ fn run(command: &Command, session: &Session) -> anyhow::Result<()> {
         Command::Transfer(args) => stage::run(args, session),
         Command::Relight(args) => relight::run(args, session),
         Command::Render(args) => render::run(args, session),
+        Command::Reference(args) => reference::run(args, session),
         Command::Inspect(args) => inspect::run(args, session),
         Command::Verify(args) => verify::run(args, session),
         Command::Diff(args) => diff::run(args, session),

@@ -9,13 +9,13 @@ use anyhow::Context;
 use exr::prelude::{SpecificChannels, Vec2, WritableImage};
 use image::{ImageEncoder, codecs::png::PngEncoder};
 
-use relight::Image;
+use relight::{Exposure, Image};
 
 use crate::files;
 
 /// The kinds of file that a picture can be written to.
 #[derive(Clone, Copy, PartialEq)]
-pub enum Kind {
+enum Kind {
     Png,
     Exr,
 }
@@ -27,7 +27,7 @@ pub fn target(text: &str) -> Result<PathBuf, String> {
 }
 
 /// The kind that a file name asks for.
-pub fn kind(path: &Path) -> Option<Kind> {
+fn kind(path: &Path) -> Option<Kind> {
     match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
         "png" => Some(Kind::Png),
         "exr" => Some(Kind::Exr),
@@ -35,8 +35,19 @@ pub fn kind(path: &Path) -> Option<Kind> {
     }
 }
 
+/// Writes a picture as its file name asks; returns the exposure of a PNG.
+pub fn write(path: &Path, picture: &Image, exposure: Option<f32>) -> anyhow::Result<Option<f32>> {
+    if kind(path) == Some(Kind::Exr) {
+        write_exr(path, picture)?;
+        return Ok(None);
+    }
+    let (bytes, exposure) = relight::tone_map(picture, exposure.map_or(Exposure::Auto, Exposure::Fixed));
+    write_png(path, picture.width, picture.height, &bytes)?;
+    Ok(Some(exposure))
+}
+
 /// Writes linear radiance.
-pub fn write_exr(path: &Path, picture: &Image) -> anyhow::Result<()> {
+fn write_exr(path: &Path, picture: &Image) -> anyhow::Result<()> {
     let layer = SpecificChannels::rgb(|Vec2(x, y)| {
         let [r, g, b] = picture.pixels[y * picture.width + x];
         (r, g, b)
@@ -50,7 +61,7 @@ pub fn write_exr(path: &Path, picture: &Image) -> anyhow::Result<()> {
 }
 
 /// Writes 8-bit sRGB, three bytes a pixel.
-pub fn write_png(path: &Path, width: usize, height: usize, srgb: &[u8]) -> anyhow::Result<()> {
+fn write_png(path: &Path, width: usize, height: usize, srgb: &[u8]) -> anyhow::Result<()> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes).write_image(srgb, width as u32, height as u32, image::ExtendedColorType::Rgb8)?;
     files::write(path, &bytes)

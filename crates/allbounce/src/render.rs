@@ -3,13 +3,12 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
-use relight::{Exposure, Image, Look, PatchSamples, Relighter, Shown};
+use relight::{Image, Look, PatchSamples, Relighter, Shown};
 use scene::{Camera, LightRig, Rays};
 use serde::Serialize;
 
 use crate::{
-    files, numbers,
-    pictures::{self, Kind},
+    files, numbers, pictures,
     runtime::{self, Backend, Bake, LightOptions},
     session::Session,
 };
@@ -77,17 +76,7 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     if !image.pixels.as_flattened().iter().all(|v| v.is_finite()) {
         bail!("{}", runtime::TOO_BRIGHT);
     }
-    let exposure = match pictures::kind(&args.output) {
-        Some(Kind::Exr) => {
-            pictures::write_exr(&args.output, &image)?;
-            None
-        }
-        _ => {
-            let (bytes, exposure) = relight::tone_map(&image, args.exposure.map_or(Exposure::Auto, Exposure::Fixed));
-            pictures::write_png(&args.output, image.width, image.height, &bytes)?;
-            Some(exposure)
-        }
-    };
+    let exposure = pictures::write(&args.output, &image, args.exposure)?;
     let mean = |c: usize| image.pixels.iter().map(|p| f64::from(p[c])).sum::<f64>() / pixels as f64;
     let report = Report {
         backend,

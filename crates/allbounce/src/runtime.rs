@@ -111,24 +111,27 @@ impl LightOptions {
 
     /// Reads the lights file, or takes the scene's own lights; warns where nothing can shine.
     pub fn rig(&self, bake: &Bake, session: &Session) -> anyhow::Result<LightRig> {
-        let rig = self.read(&bake.scene)?;
-        let emits = bake.scene.materials.materials.iter().any(|m| m.emission.iter().any(|&e| e > 0.0));
-        if rig.lights.is_empty() && !(rig.use_scene_emission && emits) {
-            session.warn("there are no lights, and no emitting material is used: every answer is dark");
-        }
+        let rig = rig(&self.lights, &bake.scene, session)?;
         if self.backend == Backend::Gpu && rig.use_scene_emission && glowing_share(bake) > LARGE_GLOW {
             session.warn("large surfaces emit, which the GPU samples at 64 points in all; near them use --backend cpu");
         }
         Ok(rig)
     }
+}
 
-    fn read(&self, scene: &Scene) -> anyhow::Result<LightRig> {
-        if self.lights.as_os_str() == "scene" {
-            let lights = scene.extras.lights.iter().map(|(_, light)| *light).collect();
-            return Ok(LightRig { use_scene_emission: true, lights, ..LightRig::default() });
-        }
-        LightRig::from_json(&files::text(&self.lights)?).with_context(|| self.lights.display().to_string())
+/// Reads a lights file, or takes the scene's own lights for `scene`; warns where nothing can shine.
+pub fn rig(path: &Path, scene: &Scene, session: &Session) -> anyhow::Result<LightRig> {
+    let rig = if path.as_os_str() == "scene" {
+        let lights = scene.extras.lights.iter().map(|(_, light)| *light).collect();
+        LightRig { use_scene_emission: true, lights, ..LightRig::default() }
+    } else {
+        LightRig::from_json(&files::text(path)?).with_context(|| path.display().to_string())?
+    };
+    let emits = scene.materials.materials.iter().any(|m| m.emission.iter().any(|&e| e > 0.0));
+    if rig.lights.is_empty() && !(rig.use_scene_emission && emits) {
+        session.warn("there are no lights, and no emitting material is used: every answer is dark");
     }
+    Ok(rig)
 }
 
 /// Reads a camera file, or takes the scene's first camera for `scene`.
