@@ -7,9 +7,14 @@
 //!
 //! which is the squared error of the irradiance under light that differs from patch to patch in no known way.
 //! The least J for a number of rays has the same gain −∂J/∂N_i at every patch (J. Neyman's allocation, JRSS 97,
-//! 1934, for strata that share their samples). Weights from the light of a few lamps instead would make
-//! the error small for those lamps and for no others: with 8 lamps it was twice as large for 20 others.
-//! What J leaves out, that Sobol points do better than independent ones, is in the exponent [`FALL`].
+//! 1934, for strata that share their samples). What J leaves out, that Sobol points do better than
+//! independent ones, is in the exponent [`FALL`].
+//!
+//! Weights from the light of a few lamps instead make the error small for those lamps and for no others:
+//! with 8 lamps it was twice as large for 20 others. As lamps differ from what J supposes, too, patches get the
+//! geometric mean of J's choice and of equal numbers. With 20 other lamps against 16 times the rays, the error at
+//! 1400 rays a patch is 0.83 % of the light in the apartment, with equal numbers 1.0 %. It is not less everywhere:
+//! in Sponza, the outsides of which are most of its area, 1.38 % at 2300 rays, with equal numbers 1.25 %.
 
 use rayon::prelude::*;
 
@@ -32,14 +37,15 @@ pub fn plan(area: &[f64], factors: &[f32], had: &[u32], aim: Aim) -> Vec<u32> {
     let total: f64 = start.iter().sum();
     let mean = total / start.len() as f64;
     let (now, mut gain) = disturbance.at(&start);
-    let (mut shape, mut shaped) = (start, now);
+    let mut shape = start;
     for _ in 0..STEPS {
         shape.iter_mut().zip(&gain).for_each(|(n, g)| *n *= g.sqrt());
         let scale = total / shape.iter().sum::<f64>();
-        // No row is starved: some lamp may shine on just that patch.
         shape.iter_mut().for_each(|n| *n = (*n * scale).max(LEAST * mean));
-        (shaped, gain) = disturbance.at(&shape);
+        (_, gain) = disturbance.at(&shape);
     }
+    shape.iter_mut().for_each(|n| *n = (*n * mean).sqrt());
+    let (shaped, _) = disturbance.at(&shape);
     let wanted = now * (aim.target / aim.error).powf(2.0 / FALL);
     let mut scale = shaped / wanted;
     loop {

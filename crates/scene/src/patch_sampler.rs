@@ -20,6 +20,8 @@ pub struct PatchSampler<'a> {
 }
 
 struct Prepared {
+    /// Number of the piece.
+    piece: u32,
     /// Area of the patch's pieces up to and including this one, as a share of the whole.
     share: f32,
     /// Unit normal on the patch's side.
@@ -46,15 +48,16 @@ impl<'a> PatchSampler<'a> {
         let inset = INSET * corners.fold(0.0f32, |m, x| m.max(x.abs()));
         let mut prepared = Vec::with_capacity(patches.pieces.len());
         for patch in 0..patches.len() {
-            let pieces = patches.pieces_of(patch);
-            let total: f64 = pieces.iter().map(area).sum();
+            let order = along_curve(patches, patch);
+            let total: f64 = patches.pieces_of(patch).iter().map(area).sum();
             let mut sum = 0.0;
-            prepared.extend(pieces.iter().enumerate().map(|(k, piece)| {
+            prepared.extend(order.iter().enumerate().map(|(k, &number)| {
+                let piece = &patches.pieces[number as usize];
                 sum += area(piece);
                 // A patch of nothing but slivers: all of them count the same.
-                let share = if total > 0.0 { sum / total } else { (k + 1) as f64 / pieces.len() as f64 };
+                let share = if total > 0.0 { sum / total } else { (k + 1) as f64 / order.len() as f64 };
                 let normal = normal(piece).unwrap_or(Vec3::from(patches.normal[patch]));
-                Prepared { share: share as f32, normal, least: least_weights(piece, inset) }
+                Prepared { piece: number, share: share as f32, normal, least: least_weights(piece, inset) }
             }));
         }
         PatchSampler { patches, prepared }
@@ -69,12 +72,29 @@ impl<'a> PatchSampler<'a> {
         let low = if k == 0 { 0.0 } else { prepared[k - 1].share };
         let width = prepared[k].share - low;
         let stretched = if width > 0.0 { ((x - low) / width).clamp(0.0, 1.0) } else { 0.5 };
-        let piece = &self.patches.pieces[start + k];
+        let piece = &self.patches.pieces[prepared[k].piece as usize];
         let (u, v) = square_to_triangle(stretched, y);
         let [_, u, v] = keep_inside([1.0 - u - v, u, v], prepared[k].least);
         let [a, b, c] = piece.corners.map(Vec3::from);
         SurfacePoint { position: a + u * (b - a) + v * (c - a), normal: prepared[k].normal, triangle: piece.face / 2 }
     }
+}
+
+/// Numbers of a patch's pieces along a space-filling curve (G. M. Morton, 1966), so that numbers
+/// that are stratified choose pieces that are.
+fn along_curve(patches: &Patches, patch: usize) -> Vec<u32> {
+    let range = patches.piece_start[patch]..patches.piece_start[patch + 1];
+    let middle = |k: u32| patches.pieces[k as usize].corners.iter().map(|&c| Vec3::from(c) / 3.0).sum::<Vec3>();
+    let fold = |f: fn(Vec3, Vec3) -> Vec3| range.clone().map(middle).reduce(f).unwrap_or_default();
+    let (low, high) = (fold(Vec3::min), fold(Vec3::max));
+    let scale = 1023.0 / (high - low).max_element().max(f32::MIN_POSITIVE);
+    let code = |k: u32| {
+        let cell = ((middle(k) - low) * scale).to_array().map(|x| x as u32);
+        (0..10).map(|bit| (0..3).map(|a| (cell[a] >> bit & 1) << (3 * bit + a)).sum::<u32>()).sum::<u32>()
+    };
+    let mut order: Vec<u32> = range.clone().collect();
+    order.sort_by_cached_key(|&k| code(k));
+    order
 }
 
 /// Twice the area of a piece as a vector along the normal of its front.
