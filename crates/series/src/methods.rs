@@ -79,8 +79,14 @@ pub fn work(grid: Grid, params: &Params) -> u64 {
     }
 }
 
-/// Bytes of the matrices of one channel, as [`Solved::peak_bytes`] will tell.
+/// Bytes that one channel takes: its matrices, and what the products of every thread pack, at most a panel each.
 pub fn bytes_needed(grid: Grid, params: &Params) -> u64 {
+    let panels = grid.count.min(rayon::current_num_threads());
+    matrix_bytes(grid, params) + number_bytes(params) * (panels * grid.panel_size()) as u64
+}
+
+/// Bytes of the matrices of one channel, as [`Solved::peak_bytes`] will tell.
+fn matrix_bytes(grid: Grid, params: &Params) -> u64 {
     let (half, full) = (grid.lower_size() as u64, grid.panels_size() as u64);
     let values = match params.method {
         Method::Cholesky => half + full,
@@ -89,5 +95,33 @@ pub fn bytes_needed(grid: Grid, params: &Params) -> u64 {
         Method::Cg => half + full + conjugate::block_values(grid),
         Method::PaperInverse => 2 * full,
     };
-    values * if params.precision == Precision::F32 { 4 } else { 8 }
+    values * number_bytes(params)
+}
+
+fn number_bytes(params: &Params) -> u64 {
+    match params.precision {
+        Precision::F32 => 4,
+        Precision::F64 => 8,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_method_allocates_is_what_was_foreseen() {
+        for n in [1, 30, 420] {
+            let f = vec![0.5 / n as f64; n * n];
+            for method in [Method::Cholesky, Method::Doubling, Method::Neumann, Method::Cg, Method::PaperInverse] {
+                for precision in [Precision::F32, Precision::F64] {
+                    let params =
+                        Params { method, precision, bounces: method.truncates().then_some(3), tolerance: None };
+                    let one = OneBounce::new(&f, |_| 1.0, n, method != Method::PaperInverse);
+                    let solved = solve(&one, &one.grid.vector(|_| 0.5), &params, &|_| {}).expect("light fades");
+                    assert_eq!(solved.peak_bytes, matrix_bytes(one.grid, &params), "{params:?}");
+                }
+            }
+        }
+    }
 }

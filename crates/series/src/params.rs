@@ -100,9 +100,7 @@ impl Params {
         })
     }
 
-    /// Bytes of the matrices that [`crate::all_bounces`] takes besides its inputs, its result included.
-    ///
-    /// [`Method::Cg`] takes more with more threads.
+    /// Bytes that [`crate::all_bounces`] takes besides its inputs, its result included; more threads take a little more.
     pub fn memory_needed(&self, n: usize, channels: usize) -> u64 {
         if n == 0 {
             return 0;

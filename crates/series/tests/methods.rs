@@ -308,15 +308,3 @@ fn raw_numbers_that_mean_nothing_are_refused() {
     assert!(refusal(&[0.0; 4], &[0.5, 1.0], &[1.0; 2]).starts_with("reflectance of patch 1 is 1"));
     assert!(refusal(&[0.0; 4], &[0.5; 2], &[1.0, 0.0]).starts_with("area of patch 1 is 0"));
 }
-
-#[test]
-fn what_a_method_allocates_is_what_was_asked_for() {
-    for n in [1, 30, 420] {
-        let room = Room::new(n, 0.3, 0.9, 58);
-        for params in every_way(3) {
-            let (_, report) = room.solve(&params);
-            let result = 4 * (n * n) as u64;
-            assert_eq!(report.peak_bytes, params.memory_needed(n, 1) - result, "{params:?}");
-        }
-    }
-}
