@@ -1,6 +1,10 @@
-//! The path tracer against points that another renderer path-traced.
+//! The path tracer against points that another renderer path-traced, and its subcommand.
+
+use std::path::{Path, PathBuf};
 
 use allbounce_tests::{
+    asset,
+    program::allbounce,
     reference::{Table, shared},
     text,
 };
@@ -51,7 +55,7 @@ struct Agreement {
     bias_error: f64,
 }
 
-struct Disk(std::path::PathBuf);
+struct Disk(PathBuf);
 
 impl Folder for Disk {
     fn read(&self, name: &str) -> std::io::Result<Vec<u8>> {
@@ -63,7 +67,7 @@ impl Folder for Disk {
     }
 }
 
-fn load(path: &std::path::Path, upside_down: bool) -> Scene {
+fn load(path: &Path, upside_down: bool) -> Scene {
     let (folder, name) = (path.parent().expect("a folder"), path.file_name().expect("a name"));
     let disk = Disk(folder.to_owned());
     let (mut scene, _) = scene::import(&text(name.as_ref()), &disk, ImportOptions::default()).expect("a sound scene");
@@ -140,7 +144,9 @@ fn check(set: &Set, stride: usize, samples: u32) {
         println!("{} {found:.4?}", set.name);
     }
     for found in all {
-        assert!(found.within >= 0.99, "{}: {found:.4?}", set.name);
+        // One in a hundred, and of fewer points one.
+        let missed = found.points as f64 * (1.0 - found.within);
+        assert!(missed < 1.5 || found.within >= 0.99, "{}: {found:.4?}", set.name);
         assert!(found.bias.abs() <= SIGMAS * found.bias_error + RAISED, "{}: {found:.4?}", set.name);
     }
 }
@@ -176,6 +182,58 @@ fn sponza_with_its_textures_turned_over() {
 #[ignore = "takes minutes"]
 fn all_points_of_all_sets() {
     for set in &SETS {
-        check(set, 1, 1 << 15);
+        check(set, 1, 1 << 16);
+    }
+}
+
+/// Runs `allbounce reference` on the bundled Cornell box with its lamp and reads what it wrote.
+fn traced(folder: &Path, points: &str, name: &str, further: &[&str]) -> (Table, String) {
+    let (input, out, report) = (folder.join("points.csv"), folder.join(name), folder.join("report.json"));
+    std::fs::write(&input, points).expect("a file");
+    let (scene, lights) = (asset("cornell/cornell.obj"), asset("cornell/lamp.json"));
+    let files = ["--points", &text(&input), "-o", &text(&out), "--report", &text(&report)].map(str::to_owned);
+    let head = ["reference", &scene, "--lights", &lights, "--quiet"].map(str::to_owned);
+    allbounce(head.into_iter().chain(files).chain(further.iter().map(|s| (*s).to_owned()))).done();
+    (Table::read(&out), std::fs::read_to_string(&report).expect("the report"))
+}
+
+#[test]
+fn the_program_says_how_sure_it_is_and_keeps_its_word() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let points = "id,px,py,pz,nx,ny,nz\n4,0.45,0,0.1,0,1,0\n9,0.5,0,0.15,0,1,0\n";
+    let (table, report) = traced(folder.path(), points, "a.csv", &["--rel-error", "2%", "--threads", "1"]);
+    assert_eq!(table.column("id"), [4.0, 9.0], "columns of the points are handed through");
+    let report: serde_json::Value = serde_json::from_str(&report).expect("JSON");
+    assert_eq!(report["points_short_of_error"], 0);
+    assert_eq!(report["paths"].as_f64(), Some(table.column("samples").iter().sum()));
+    for quantity in ["direct", "indirect"] {
+        let (value, error) = (table.grey(quantity), table.grey(&format!("se_{quantity}")));
+        // The promise is about luminance; grey weighs blue more, which the red box has least of.
+        assert!(value.iter().zip(&error).all(|(v, e)| *v > 0.0 && *e <= 0.03 * v), "{quantity} {value:?} ± {error:?}");
+    }
+    let single = table.grey("single");
+    assert!(table.grey("indirect").iter().zip(&single).all(|(all, one)| all > one && *one > 0.0));
+    traced(folder.path(), points, "b.csv", &["--rel-error", "2%", "--threads", "2"]);
+    let bytes = |name: &str| std::fs::read(folder.path().join(name)).expect("a file");
+    assert_eq!(bytes("a.csv"), bytes("b.csv"), "threads change nothing");
+    traced(folder.path(), points, "b.csv", &["--rel-error", "2%", "--seed", "2"]);
+    assert_ne!(bytes("a.csv"), bytes("b.csv"), "seeds do");
+}
+
+#[test]
+fn the_program_takes_points_or_a_camera_and_known_pictures_only() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (scene, lights, camera) =
+        (asset("cornell/cornell.obj"), asset("cornell/lamp.json"), asset("cornell/camera.json"));
+    let out = |name: &str| text(&folder.path().join(name));
+    let run = |output: &str, further: &[&str]| {
+        allbounce(["reference", &scene, "--lights", &lights, "-o", output].iter().chain(further))
+    };
+    assert_eq!(run(&out("a.csv"), &[]).code, Some(2), "nothing to evaluate");
+    assert_eq!(run(&out("a.csv"), &["--points", "p.csv", "--camera", &camera]).code, Some(2), "both");
+    run(&out("a.jpg"), &["--camera", &camera]).refused(&["a.jpg", "unknown picture format", ".png or .exr"]);
+    for name in ["a.png", "a.exr"] {
+        run(&out(name), &["--camera", &camera, "--width", "24", "--height", "16", "--samples", "8"]).done();
+        assert!(std::fs::metadata(folder.path().join(name)).expect("a picture").len() > 200);
     }
 }
