@@ -1,4 +1,5 @@
-# Allbounce. `make demo` shows it, `make test` checks it, `make bake SCENE=room.glb` bakes a scene stage by stage.
+# Allbounce. `make demo` shows it, `make test` checks it, `make bake SCENE=room.glb` bakes a scene stage by stage,
+# `make charts` draws where methods hold and where they fail (docs/charts/).
 #
 # Options of a stage go into a variable of its name:
 #   make bake SCENE=room.glb VOXEL_SIMPLIFY="--patches 3000" FORMFACTOR="--rays 1024"
@@ -10,7 +11,7 @@ SHELL := bash
 .DELETE_ON_ERROR:
 # Software Vulkan drivers want a private folder for their scratch files.
 export XDG_RUNTIME_DIR ?= /tmp
-.PHONY: help setup build demo test bake clean FORCE
+.PHONY: help setup build demo test charts bake clean FORCE
 
 ALLBOUNCE := target/release/allbounce
 
@@ -118,6 +119,11 @@ test: setup
 	cargo clippy --release --workspace --all-targets -- -D warnings
 	cargo clippy --release -p allbounce --no-default-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps
+
+# ---- the stability laboratory ----
+
+charts: setup
+	cargo run --release -p allbounce-tests --example make_charts
 
 clean:
 	rm -rf out target

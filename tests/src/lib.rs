@@ -1,7 +1,8 @@
 //! What the whole-pipeline tests share: the program under test, rooms to put it in, reference points,
-//! and the generators of the bundled scenes.
+//! the generators of the bundled scenes, and the stability laboratory.
 
 pub mod apartment;
+pub mod charts;
 pub mod cornell;
 pub mod mesh_text;
 pub mod patch_light;

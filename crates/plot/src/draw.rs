@@ -165,7 +165,7 @@ fn tick_format(axis: &Axis) -> TickFormat {
 /// Short numbers as they are, long ones as powers of ten.
 fn plain(value: f64) -> String {
     let size = value.abs();
-    if size == 0.0 || (1e-3..1e4).contains(&size) {
+    if size == 0.0 || (1e-3..1e3).contains(&size) {
         // Ticks are sums of steps: twelve digits hide what rounding left.
         return format!("{}", format!("{value:.12}").parse::<f64>().unwrap_or(value));
     }
@@ -200,8 +200,8 @@ mod tests {
 
     #[test]
     fn ticks_are_written_as_people_write_them() {
-        let written = [0.0, 0.001, 0.1 + 0.2, 20.0, 1e4, 1e-16, 2.5e-7].map(plain);
-        assert_eq!(written, ["0", "0.001", "0.3", "20", "10⁴", "10⁻¹⁶", "2.5·10⁻⁷"]);
+        let written = [0.0, 0.001, 0.1 + 0.2, 200.0, 1e3, 1e-16, 2.5e-7].map(plain);
+        assert_eq!(written, ["0", "0.001", "0.3", "200", "10³", "10⁻¹⁶", "2.5·10⁻⁷"]);
         assert_eq!([0.001, 1.0, 1e-12].map(percent), ["0.1 %", "100 %", "10⁻¹⁰ %"]);
     }
 }

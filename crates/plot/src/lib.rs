@@ -50,7 +50,7 @@ pub enum Scale {
 /// How the values of ticks are written.
 #[derive(Clone, Copy, Debug)]
 pub enum Ticks {
-    /// 0.001, 1, 1000; beyond as powers of ten.
+    /// 0.001, 1, 100; beyond as powers of ten.
     Plain,
     /// 0.1 %, 1 %, 100 %; beyond as powers of ten. The values are fractions of 1.
     Percent,
