@@ -2,6 +2,18 @@
 //!
 //! A sample is one point of a four-dimensional Sobol sequence: two numbers place it on the patch,
 //! two give the direction. The density cos θ / π makes the plain count an unbiased estimate of F.
+//!
+//! No ray meets the surface that it leaves, whatever the size of the patch and the place of the scene:
+//!
+//! - coordinates are f32 about a local origin, to which the import moves the scene in f64 (world
+//!   coordinates of 5 million metres lose nothing), so rounding is relative to the size of the scene alone;
+//! - the triangle that a ray starts on is passed through, so that a plane patch cannot see itself;
+//! - the ray starts a gap off the surface, 2e-6 of the largest coordinate, above the rounding of
+//!   points and of the triangle test, so that coplanar neighbours are not met either;
+//! - points keep four gaps from the edges of their piece, so the gap does not lead through the next wall
+//!   unless the corner is acute, which is asked for each sample (`start`).
+//!
+//! What is smaller than a few gaps is not resolved: a cube of 1e-4 of the scene is, one of 1e-6 is not.
 
 use std::ops::{Add, Range};
 

@@ -14,10 +14,14 @@ use glam::{Vec2, Vec3};
 /// unbiased. The best sample counts are powers of two.
 #[derive(Clone, Copy, Debug)]
 pub struct Sobol {
-    seed: u32,
+    /// Scrambles the order.
+    order: u32,
+    /// Scrambles each dimension.
+    seeds: [u32; 4],
 }
 
-/// For every bit of the index, the direction numbers of the four dimensions (the first is van der Corput).
+/// For every bit of the index, the direction numbers of the four dimensions (the first is van der Corput),
+/// lowest bit first, as the scrambling wants them.
 const DIRECTIONS: [[u32; 4]; 32] = transpose([
     directions(0, 0, [1, 0, 0]),
     directions(1, 0, [1, 0, 0]),
@@ -29,7 +33,7 @@ const fn transpose(dimensions: [[u32; 32]; 4]) -> [[u32; 4]; 32] {
     let mut bits = [[0; 4]; 32];
     let mut i = 0;
     while i < 128 {
-        bits[i / 4][i % 4] = dimensions[i % 4][i / 4];
+        bits[i / 4][i % 4] = dimensions[i % 4][i / 4].reverse_bits();
         i += 1;
     }
     bits
@@ -62,36 +66,35 @@ const fn directions(degree: usize, a: u32, initial: [u32; 3]) -> [u32; 32] {
 impl Sobol {
     /// The sequence with this scrambling.
     pub fn new(seed: u32) -> Sobol {
-        Sobol { seed }
+        Sobol { order: hash(seed, 0x5bd1), seeds: std::array::from_fn(|d| hash(seed, d as u32)) }
     }
 
     /// Sample `index`: four numbers in [0, 1).
     ///
     /// The order is scrambled as well, so sequences of different seeds may be used side by side.
     pub fn sample(&self, index: u32) -> [f32; 4] {
-        let mut bits = owen(index, hash(self.seed, 0x5bd1));
+        let mut bits = scramble(index.reverse_bits(), self.order).reverse_bits();
         let mut x = [0u32; 4];
         while bits != 0 {
             let directions = &DIRECTIONS[bits.trailing_zeros() as usize];
             x = std::array::from_fn(|d| x[d] ^ directions[d]);
             bits &= bits - 1;
         }
-        std::array::from_fn(|d| (owen(x[d], hash(self.seed, d as u32)) >> 8) as f32 * (1.0 / (1 << 24) as f32))
+        let fraction = |bits: u32| (bits.reverse_bits() >> 8) as f32 * (1.0 / (1 << 24) as f32);
+        std::array::from_fn(|d| fraction(scramble(x[d], self.seeds[d])))
     }
 }
 
 /// Nested uniform scrambling: each bit of a fraction is flipped by a hash of the bits above it.
 ///
-/// The hash carries from low bits to high ones, hence the reversals. On an index it permutes every
-/// block of 2^k and keeps it a block, so stratification survives.
-fn owen(x: u32, seed: u32) -> u32 {
-    let mut x = x.reverse_bits();
+/// The hash carries from low bits to high ones, so `x` and the result are in reverse order. On an index it
+/// permutes every block of 2^k and keeps it a block, so stratification survives.
+fn scramble(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
     x = x.wrapping_mul((seed >> 16) | 1);
     x ^= x.wrapping_mul(0x0552_6c56);
-    x ^= x.wrapping_mul(0x53a2_2864);
-    x.reverse_bits()
+    x ^ x.wrapping_mul(0x53a2_2864)
 }
 
 /// Mixes two numbers to a seed.
