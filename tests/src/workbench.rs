@@ -48,10 +48,15 @@ impl Workbench {
 
     /// A bake; keeps the dense matrices.
     pub fn bake(&self, options: &[&str]) -> Container {
-        let output = self.file("bake.rad");
+        let output = self.baked();
         let (scene, bake) = (text(&self.file("room.obj")), text(&output));
         allbounce(["bake", &scene, "-o", &bake, "--keep-dense", "-q"].iter().chain(options)).done();
         open(&output)
+    }
+
+    /// Where a bake lies.
+    pub fn baked(&self) -> PathBuf {
+        self.file("bake.rad")
     }
 
     /// A bake stage by stage, the patches altered by `change` before anything is computed from them.
@@ -80,7 +85,7 @@ impl Workbench {
         builder.write_file(&altered).expect("a file");
         let solved = stage("series", &stage("formfactor", &altered, formfactor), &[]);
         let packed = stage("dxt-pack", &stage("permute", &solved, &[]), &["--keep-dense"]);
-        let bake = self.file("bake.rad");
+        let bake = self.baked();
         std::fs::rename(stage("transfer", &packed, &[]), &bake).expect("the bake");
         open(&bake)
     }
@@ -98,7 +103,7 @@ impl Workbench {
             let numbers: Vec<String> = p.position.iter().chain(&p.normal).map(|x| x.to_string()).collect();
             csv += &(numbers.join(",") + "\n");
         }
-        let (bake, output) = (text(&self.file("bake.rad")), self.file("light.csv"));
+        let (bake, output) = (text(&self.baked()), self.file("light.csv"));
         let (lights, points) = (self.write("lights.json", &lights.to_string()), self.write("points.csv", &csv));
         let args = ["relight", &bake, "--lights", &lights, "--points", &points, "-o", &text(&output), "-q"];
         allbounce(args.iter().chain(options)).done();
@@ -111,7 +116,7 @@ impl Workbench {
 
     /// Holds the bake against the identities of transport.
     pub fn verify(&self) {
-        allbounce(["verify", &text(&self.file("bake.rad"))]).done();
+        allbounce(["verify", &text(&self.baked())]).done();
     }
 
     fn file(&self, name: &str) -> PathBuf {

@@ -41,8 +41,13 @@ fn ours() -> BTreeSet<String> {
 
 /// Every Rust source file of the crates' libraries and programs.
 fn sources() -> Vec<(PathBuf, String)> {
+    ours().iter().flat_map(|own| files_below(&format!("crates/{own}/src"))).collect()
+}
+
+/// Every Rust source file below a folder of the workspace.
+fn files_below(folder: &str) -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
-    let mut folders: Vec<PathBuf> = ours().iter().map(|c| root().join("crates").join(c).join("src")).collect();
+    let mut folders = vec![root().join(folder)];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).expect("src").flatten() {
             let path = entry.path();
@@ -195,6 +200,50 @@ fn every_room_of_the_architecture_page_exists() {
     }
     for word in page.split(['`', ' ', ';', ',']).filter(|w| w.starts_with("crates/") && !w.contains('{')) {
         assert!(root().join(word).exists(), "ARCHITECTURE.md names {word}");
+    }
+}
+
+/// Numbers of equations, such as 7.2, that stand in brackets.
+fn equations(text: &str) -> BTreeSet<&str> {
+    let number = |inner: &&str| {
+        inner
+            .split_once('.')
+            .is_some_and(|(a, b)| [a, b].iter().all(|d| !d.is_empty() && d.bytes().all(|c| c.is_ascii_digit())))
+    };
+    text.split('(').skip(1).filter_map(|rest| Some(rest.split_once(')')?.0)).filter(number).collect()
+}
+
+#[test]
+fn every_equation_that_code_cites_is_in_the_theory() {
+    let page = std::fs::read_to_string(root().join("docs/theory.md")).expect("docs/theory.md");
+    // An equation is defined where its number ends a line.
+    let ends: Vec<&str> =
+        page.lines().filter_map(|l| l.get(l.rfind('(')?..)).filter(|end| end.ends_with(')')).collect();
+    let defined: BTreeSet<&str> = ends.iter().flat_map(|end| equations(end)).collect();
+    assert!(defined.len() > 30, "{defined:?}");
+    let mut cited = 0;
+    let mut files = files_below("crates");
+    files.extend(files_below("tests"));
+    for (path, text) in files {
+        for passage in text.split("theory.md").skip(1) {
+            // What is cited follows at once: theory.md (4.1), (4.3).
+            let line: String = passage.chars().take_while(|c| " (),.and0123456789".contains(*c)).collect();
+            for number in equations(&line) {
+                assert!(defined.contains(number), "{} cites equation ({number})", path.display());
+                cited += 1;
+            }
+        }
+    }
+    assert!(cited > 10, "{cited} citations");
+    // `allbounce verify` prints numbers beside its checks.
+    for (path, text) in files_below("crates/allbounce/src/verify") {
+        for number in ["check(\"", "skip(\""].iter().flat_map(|call| text.split(call).skip(1)) {
+            let number = number.split('"').next().unwrap_or("");
+            assert!(defined.contains(number), "{} prints equation ({number})", path.display());
+        }
+    }
+    for number in equations(&page) {
+        assert!(defined.contains(number), "docs/theory.md cites its equation ({number})");
     }
 }
 

@@ -7,8 +7,11 @@ use std::{
 
 use allbounce_tests::{
     asset,
+    mesh_text::{MeshText, Paint},
     program::{Run, allbounce, program},
+    shapes::inside_of_box,
     text,
+    workbench::Workbench,
 };
 use radfile::{Builder, Container, FLAG_PATCH_ORDER, FLAG_REQUIRED};
 
@@ -42,11 +45,17 @@ fn written(builder: &Builder, beside: &Path) -> PathBuf {
     path
 }
 
+/// Lines with a verdict, from the name of the identity on.
+fn verdicts<'a>(run: &'a Run, verdict: &str) -> Vec<&'a str> {
+    let lines = run.stdout.lines().filter_map(|line| line.strip_prefix(verdict));
+    lines.map(|line| line.split_once(") ").expect("the number of an equation").1.trim_start()).collect()
+}
+
 /// Asserts that exactly the identities that start so fail, and that the program says so.
 #[track_caller]
 fn fails(file: &Path, expected: &[&str]) {
     let run = verify(file);
-    let failed: Vec<&str> = run.stdout.lines().filter_map(|line| line.strip_prefix("FAILS  ")).collect();
+    let failed = verdicts(&run, "FAILS");
     assert_eq!(failed.len(), expected.len(), "{run:?}");
     for (line, start) in failed.iter().zip(expected) {
         assert!(line.starts_with(start), "{line}");
@@ -59,7 +68,7 @@ fn altered_form_factors_operators_textures_and_weights_are_found() {
     let folder = tempfile::tempdir().expect("a folder");
     let sound = bake(folder.path(), "sound.rad", &["--keep-dense"]);
     let copy = altered(&sound, "series.values", |_| {});
-    assert_eq!(verify(&copy).done().stdout.matches("holds").count(), 9, "a copy is as sound as the bake");
+    assert_eq!(verdicts(&verify(&copy).done(), "holds").len(), 10, "a copy is as sound as the bake");
 
     let n = Container::open(&sound).expect("a container").array::<f32>("patches.area", 1).expect("areas").0.len();
     let pair = |values: &[f32]| (0..n * n).find(|at| at / n != at % n && values[*at] > 1e-3).expect("two that meet");
@@ -76,6 +85,13 @@ fn altered_form_factors_operators_textures_and_weights_are_found() {
     fails(&one_way, &after[..]);
     let dim = altered(&sound, "formfactor.values", |f| f.iter_mut().for_each(|f| *f *= 0.99));
     fails(&dim, &["rows of F and the sky reach 1", "furnace identity of the dense operator"]);
+    let limit = ["an exchange area fits", "rows of F and the sky do not exceed 1", "rows of F and the sky reach 1"];
+    let swallowed = altered(&sound, "formfactor.values", |f| {
+        let at = pair(f);
+        (f[at], f[at % n * n + at / n]) = (1.0, 1.0);
+    });
+    let found = verdicts(&verify(&swallowed), "FAILS").join("\n");
+    assert!(limit.iter().all(|l| found.contains(l)), "{found}");
     let windows = altered(&sound, "formfactor.sky", |sky| sky.fill(0.5));
     fails(&windows, &["rows of F and the sky do not exceed 1", "rows of F and the sky reach 1"]);
 
@@ -100,8 +116,16 @@ fn what_cannot_be_checked_is_said() {
     let folder = tempfile::tempdir().expect("a folder");
     let two = bake(folder.path(), "two.rad", &["--keep-dense", "--bounces", "2"]);
     let shown = verify(&two).done().stdout;
-    let line = "skipped  furnace identity: the operator holds 2 bounces only";
-    assert_eq!(shown.lines().filter(|l| *l == line).count(), 2, "dense and packed: {shown}");
+    for line in [
+        "skipped  (7.2)   furnace identity: the operator holds 2 bounces only",
+        "skipped  (8.2)   energy balance of one reflectance: the operator holds 2 bounces only",
+    ] {
+        assert_eq!(shown.lines().filter(|l| *l == line).count(), 2, "dense and packed: {shown}");
+    }
+    let colourful = verify(&bake(folder.path(), "all.rad", &["--keep-dense"])).done().stdout;
+    let line =
+        "skipped  (8.2)   energy balance of one reflectance, dense operator: the scene is not known to be closed";
+    assert!(colourful.contains(line), "the box is open in front: {colourful}");
 
     let packed = verify(&bake(folder.path(), "fronts.rad", &["--one-sided"])).done().stdout;
     assert!(
@@ -110,6 +134,22 @@ fn what_cannot_be_checked_is_said() {
     );
     let dense = verify(&bake(folder.path(), "fronts.rad", &["--one-sided", "--keep-dense"])).done().stdout;
     assert!(!dense.contains("from above") && !dense.contains("reach 1"), "F says what the backs absorb: {dense}");
+}
+
+/// A closed room of one reflectance: light that the operator loses is missed in the energy balance, too.
+#[test]
+fn the_energy_of_a_closed_room_is_counted() {
+    let mut mesh = MeshText::default();
+    inside_of_box([0.0; 3], [3.0, 2.0, 2.5])
+        .iter()
+        .for_each(|w| w.add(&mut mesh, Paint::matt("wall", [0.8, 0.5, 0.5])));
+    let room = Workbench::new(&mesh);
+    room.bake(&["--patches", "100", "--rays", "256", "--one-sided"]);
+    let held = verify(&room.baked()).done();
+    assert_eq!(held.stdout.matches("(8.2)").count(), 2, "{held:?}");
+    assert_eq!(verdicts(&held, "skipped"), Vec::<&str>::new());
+    let brighter = altered(&room.baked(), "series.values", |k| k.iter_mut().for_each(|k| *k *= 1.001));
+    fails(&brighter, &["furnace identity of the dense operator", "energy balance of one reflectance, dense operator"]);
 }
 
 #[test]

@@ -56,7 +56,7 @@ impl<'a> Measured<'a> {
     }
 }
 
-/// One patch a rectangle and patches of a quarter metre; 2^16 rays each.
+/// One patch a rectangle with 2^16 rays, and patches of a quarter metre with 2^12 rays each.
 ///
 /// A black room around them changes nothing between them, and it closes every row: the two rectangles of a pair that
 /// sees only itself have one common exchange area, but each its own measured sum.
@@ -70,8 +70,8 @@ fn rectangles_exchange_what_the_catalogue_says() {
         obstacle.iter().for_each(|o| o.add(&mut mesh, BLACK));
         inside_of_box([-1.5, -1.5, -0.5], [3.5, 2.5, 2.5]).iter().for_each(|w| w.add(&mut mesh, BLACK));
         let bench = Workbench::new(&mesh);
-        for voxel in ["10m", "0.25m"] {
-            let container = bench.form_factors(["--voxel", voxel], 1 << 16);
+        for (voxel, rays) in [("10m", 1 << 16), ("0.25m", 1 << 12)] {
+            let container = bench.form_factors(["--voxel", voxel], rays);
             let measured = Measured::read(&container);
             let [from, to] = [from, to].map(|plate| measured.select(|p, n| plate.holds(p, n)));
             let found = measured.between(&from, &to);

@@ -4,7 +4,8 @@
 //! in whatever pattern, is spread evenly by the first reflection, and theory.md (7.4) becomes
 //! H_ind = H⁰ ρ (1 − f) / (1 − ρ (1 − f)), with H⁰ the mean over the wall. Under an even sky H⁰ = π L f everywhere, and
 //! the opening absorbs like a surface of absorptance α / (1 − (1 − α)(1 − f)).
-//! Source: E. M. Sparrow, R. D. Cess, Radiation Heat Transfer, 1978, spherical cavity.
+//! Source: E. M. Sparrow, V. K. Jonsson, Absorption and emission characteristics of diffuse spherical enclosures,
+//! J. Heat Transfer 84, 1962.
 
 use std::f64::consts::PI;
 

@@ -29,7 +29,7 @@ fn assert_dark(thick: f64) {
     };
     let points: Vec<Point> = lit.iter().chain(&dark).flat_map(on).collect();
     let half = points.len() / 2;
-    for options in [&["--bounces", "50"][..], &[]] {
+    for options in [&[][..], &["--bounces", "50"], &["--transfer", "interpolate"]] {
         for light in bench.relight(&json!({ "lights": [lamp] }), &points, options) {
             let beyond = light.direct[half..].iter().chain(&light.indirect[half..]);
             assert!(beyond.into_iter().all(|&e| e == 0.0), "light passed a wall of {thick} m {options:?}");
