@@ -41,7 +41,8 @@ pub fn figure(effort: Effort) -> Figure {
         let lowest = lowest_eigenvalue(&room, &f);
         for &rho in reflectances(effort) {
             let mut random = Random(1);
-            let paint: Vec<f64> = room.area.iter().map(|_| if painted { rho * random.next() } else { rho }).collect();
+            let paint: Vec<f64> =
+                room.area.iter().map(|_| if painted { rho * random.uniform() } else { rho }).collect();
             let (_, report) = solve_raw(&f, &paint, &room.area, &Params::default()).expect("a physical room");
             let eigenvalues = (!painted).then(|| (1.0 - rho * lowest) / (1.0 - rho));
             points.push(Point { room: name, rho, reported: report.condition, eigenvalues });
@@ -65,7 +66,7 @@ fn lowest_eigenvalue(room: &Room, f: &[f64]) -> f64 {
     let n = room.len();
     let root: Vec<f64> = room.area.iter().map(|a| a.sqrt()).collect();
     let mut random = Random(7);
-    let mut x: Vec<f64> = (0..n).map(|_| random.next() - 0.5).collect();
+    let mut x: Vec<f64> = (0..n).map(|_| random.uniform() - 0.5).collect();
     let mut largest = 0.0;
     for _ in 0..3000 {
         let scaled: Vec<f64> = x.iter().zip(&root).map(|(x, r)| x / r).collect();

@@ -6,7 +6,7 @@ use super::{rectangles::Rectangle, room};
 pub struct Random(pub u64);
 
 impl Random {
-    pub fn next(&mut self) -> f64 {
+    pub fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -49,9 +49,9 @@ fn ray(rectangle: &Rectangle, random: &mut Random) -> ([f64; 3], [f64; 3]) {
     let [low, high] = rectangle.corners;
     let mut start = low;
     for axis in [s, t] {
-        start[axis] += random.next() * (high[axis] - low[axis]);
+        start[axis] += random.uniform() * (high[axis] - low[axis]);
     }
-    let (square, angle) = (random.next(), std::f64::consts::TAU * random.next());
+    let (square, angle) = (random.uniform(), std::f64::consts::TAU * random.uniform());
     let mut way = [0.0; 3];
     way[rectangle.axis] = rectangle.facing * (1.0 - square).sqrt();
     way[s] = square.sqrt() * angle.cos();

@@ -67,7 +67,7 @@ pub fn exchange_area(one: &Rectangle, two: &Rectangle) -> f64 {
 /// Σ ± f over all choices of one of two values in four places; − for an odd number of second choices.
 fn alternating(values: [[f64; 2]; 4], f: impl Fn([f64; 4]) -> f64) -> f64 {
     let term = |choice: usize| {
-        let sign = if choice.count_ones() % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = if choice.count_ones().is_multiple_of(2) { 1.0 } else { -1.0 };
         sign * f(std::array::from_fn(|place| values[place][choice >> place & 1]))
     };
     (0..16).map(term).sum()

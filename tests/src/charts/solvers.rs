@@ -68,25 +68,21 @@ pub fn solve(room: &Room, f: &[f64], rho: f64, direct: &[f64], params: &Params) 
     Ok(Solved { light, furnace_error, report })
 }
 
-/// The runs of the chart, with the colour and the stroke of each.
+/// Methods and bounces of the chart; the place in this list is the colour.
+const SOLVERS: [(Method, Option<u32>); 7] = [
+    (Method::Cholesky, None),
+    (Method::PaperInverse, None),
+    (Method::Cg, None),
+    (Method::Doubling, Some(ALL)),
+    (Method::Neumann, Some(3)),
+    (Method::Neumann, Some(8)),
+    (Method::Neumann, Some(64)),
+];
+
+/// All of them in f64, then in f32, with their colours.
 fn runs() -> Vec<(Run, usize)> {
-    let run = |method, bounces| (method, bounces);
-    let solvers = [
-        (run(Method::Cholesky, None), 0),
-        (run(Method::PaperInverse, None), 1),
-        (run(Method::Cg, None), 2),
-        (run(Method::Doubling, Some(ALL)), 3),
-        (run(Method::Neumann, Some(3)), 4),
-        (run(Method::Neumann, Some(8)), 5),
-        (run(Method::Neumann, Some(64)), 6),
-    ];
-    let both = [Precision::F64, Precision::F32];
-    let of = |precision| {
-        move |&((method, bounces), colour): &((Method, Option<u32>), usize)| {
-            (Run { method, bounces, precision }, colour)
-        }
-    };
-    both.into_iter().flat_map(|precision| solvers.iter().map(of(precision)).collect::<Vec<_>>()).collect()
+    let in_precision = |precision| SOLVERS.map(|(method, bounces)| Run { method, bounces, precision });
+    [Precision::F64, Precision::F32].into_iter().flat_map(|p| in_precision(p).into_iter().zip(0..)).collect()
 }
 
 struct Point {
