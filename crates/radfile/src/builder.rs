@@ -19,6 +19,7 @@ use crate::{
         is_legal_name,
     },
     meta,
+    record::minor_of,
 };
 
 /// Where a stage puts its finished container: a file, or memory for the next stage.
@@ -183,7 +184,8 @@ impl<'a> Builder<'a> {
             end = entry.offset + entry.length;
             table.push(entry);
         }
-        (header(&table, aligned(end)), table)
+        let minor = self.sections.iter().map(|s| minor_of(&s.name)).max().unwrap_or(0);
+        (header(minor, &table, aligned(end)), table)
     }
 
     fn write_to(&self, out: &mut impl Write) -> std::io::Result<()> {
@@ -223,11 +225,11 @@ impl Pending<'_> {
     }
 }
 
-fn header(table: &[Entry], file_length: u64) -> Header {
+fn header(minor: u16, table: &[Entry], file_length: u64) -> Header {
     let mut header = Header {
         identifier: IDENTIFIER,
         major: VERSION.0,
-        minor: VERSION.1,
+        minor,
         section_count: table.len() as u32,
         table_offset: HEADER_LENGTH,
         file_length,

@@ -66,7 +66,7 @@ pub use element::{Element, ElementType};
 pub use error::{Error, Result};
 pub use form_factors::{FormFactors, read_sky};
 pub use layout::{FLAG_PATCH_ORDER, FLAG_REQUIRED, IDENTIFIER, VERSION};
-pub use locator::{CellKey, PatchLocator};
+pub use locator::{CUT, CellKey, Cut, DEEPEST_CUT, PatchLocator};
 pub use materials::{Material, Materials, Texture, Wrap};
 pub use mesh::{Mesh, Side, face_id};
 pub use meta::{decode as decode_meta, encode as encode_meta};

@@ -1,7 +1,10 @@
 //! From a point on a face to the patch that it belongs to.
 //!
 //! The mesh was clipped to the cells of a voxel grid, and within one cell one face belongs to
-//! one patch. So a face and a cell name a patch, exactly, without any search in space.
+//! one patch. So a face and a cell name a patch, exactly, without any search in space. Only where
+//! something stands on a face, or passes through it, it belongs to several patches within a cell;
+//! then a few planes tell them apart, as in a tree for binary space partitioning (H. Fuchs,
+//! Z. Kedem, B. Naylor, On visible surface generation by a priori tree structures, SIGGRAPH 1980).
 
 /// Cell `(i, j, k)` of the voxel grid in one number, 21 bits each, x in the lowest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -25,6 +28,30 @@ impl CellKey {
     }
 }
 
+/// Bit of an entry that names no patch but, by its other bits, a cut.
+pub const CUT: u32 = 1 << 31;
+
+/// Longest way from an entry of the table to a patch, in cuts.
+pub const DEEPEST_CUT: usize = 64;
+
+/// A plane that parts a face within a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cut {
+    /// Normal x, y, z and offset d, metres, local axes: a point p lies above the plane if normal · p ≥ d.
+    pub plane: [f32; 4],
+    /// What lies below and above: a patch, or [`CUT`] with the number of a later cut.
+    pub child: [u32; 2],
+}
+
+impl Cut {
+    /// What the side of the plane names that a point lies on.
+    fn child_at(&self, point: [f32; 3]) -> u32 {
+        let [x, y, z, offset] = self.plane.map(f64::from);
+        let [px, py, pz] = point.map(f64::from);
+        self.child[usize::from(x * px + y * py + z * pz >= offset)]
+    }
+}
+
 /// Sorted table of (face, cell) → patch over the voxel grid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PatchLocator {
@@ -36,8 +63,10 @@ pub struct PatchLocator {
     pub face_start: Vec<u32>,
     /// Cells that a face has pieces in, increasing within a face ([`CellKey`]).
     pub cell_key: Vec<u64>,
-    /// The patch of that face in that cell.
+    /// The patch of that face in that cell, or [`CUT`] with the number of a cut where there are several.
     pub cell_patch: Vec<u32>,
+    /// Trees of planes, one for each entry of `cell_patch` that names a cut.
+    pub cuts: Vec<Cut>,
 }
 
 impl PatchLocator {
@@ -55,16 +84,67 @@ impl PatchLocator {
         let (keys, patches) = (&self.cell_key[range.clone()], &self.cell_patch[range]);
         match (patches, keys.binary_search(&CellKey::new(self.cell_of(point)).0)) {
             ([], _) => None,
-            ([only], _) => Some(*only),
-            (_, Ok(at)) => Some(patches[at]),
+            ([only], _) => Some(self.follow(*only, point)),
+            (_, Ok(at)) => Some(self.follow(patches[at], point)),
             (_, Err(_)) => {
                 let nearest = (0..keys.len()).min_by(|&a, &b| {
                     let distance = |i: usize| self.distance_to_cell(CellKey(keys[i]), point);
                     distance(a).total_cmp(&distance(b))
                 });
-                nearest.map(|at| patches[at])
+                nearest.map(|at| self.follow(patches[at], point))
             }
         }
+    }
+
+    /// The patch below an entry of the table.
+    fn follow(&self, mut entry: u32, point: [f32; 3]) -> u32 {
+        while entry & CUT != 0 {
+            entry = self.cuts[(entry & !CUT) as usize].child_at(point);
+        }
+        entry
+    }
+
+    /// The same table with other patch numbers. Where a patch has none, the other side of the nearest cut takes its
+    /// place; entries without any disappear, and so do cuts between a patch and itself.
+    #[must_use]
+    pub fn renumbered(&self, number: impl Fn(u32) -> Option<u32>) -> PatchLocator {
+        // Children come after their parents, so from behind they are known first.
+        let mut new_cuts: Vec<Option<u32>> = vec![None; self.cuts.len()];
+        let mut kept: Vec<Cut> = Vec::new();
+        let renumber = |entry: u32, new_cuts: &[Option<u32>]| match entry & CUT {
+            0 => number(entry),
+            _ => new_cuts[(entry & !CUT) as usize],
+        };
+        for (at, cut) in self.cuts.iter().enumerate().rev() {
+            new_cuts[at] = match cut.child.map(|child| renumber(child, &new_cuts)) {
+                [Some(below), Some(above)] if below != above => {
+                    kept.push(Cut { plane: cut.plane, child: [below, above] });
+                    Some(CUT | (kept.len() - 1) as u32)
+                }
+                [below, above] => below.or(above),
+            };
+        }
+        // They were collected from behind; the last becomes the first.
+        let count = kept.len() as u32;
+        let turn = |entry: u32| if entry & CUT != 0 { CUT | (count - 1 - (entry & !CUT)) } else { entry };
+        let turned = kept.into_iter().rev().map(|cut| Cut { child: cut.child.map(turn), ..cut });
+        let mut to = PatchLocator {
+            grid_origin: self.grid_origin,
+            cell_size: self.cell_size,
+            face_start: vec![0],
+            cuts: turned.collect(),
+            ..PatchLocator::default()
+        };
+        for face in self.face_start.windows(2) {
+            for at in face[0] as usize..face[1] as usize {
+                if let Some(entry) = renumber(self.cell_patch[at], &new_cuts) {
+                    to.cell_key.push(self.cell_key[at]);
+                    to.cell_patch.push(turn(entry));
+                }
+            }
+            to.face_start.push(to.cell_key.len() as u32);
+        }
+        to
     }
 
     /// Squared distance from a point to the box of a cell, in cells.

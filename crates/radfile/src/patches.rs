@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, PatchLocator, Permutation, Record, Result};
+use crate::{
+    Builder, CUT, Container, Cut, DEEPEST_CUT, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, PatchLocator, Permutation,
+    Record, Result,
+};
 
 /// A clipped triangle that belongs to a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,7 +75,6 @@ impl Patches {
             piece_start.push(pieces.len() as u32);
         }
         let old_to_new = order.old_to_new();
-        let cell_patch = self.locator.cell_patch.iter().map(|&p| old_to_new[p as usize]).collect();
         Patches {
             position: order.apply(&self.position),
             normal: order.apply(&self.normal),
@@ -81,7 +83,7 @@ impl Patches {
             emission: order.apply(&self.emission),
             piece_start,
             pieces,
-            locator: PatchLocator { cell_patch, ..self.locator.clone() },
+            locator: self.locator.renumbered(|patch| Some(old_to_new[patch as usize])),
         }
     }
 
@@ -137,9 +139,54 @@ impl Patches {
         if let Some(face) = (0..faces).find(|&f| !increasing(f)) {
             return broken(format!("the cells of face {face} do not increase"));
         }
-        match l.cell_patch.iter().position(|&p| p as usize >= self.len()) {
-            Some(i) => broken(format!("cell {i} names patch {}, there are {}", l.cell_patch[i], self.len())),
-            None => Ok(()),
+        if let Some(i) = l.cuts.iter().position(|cut| !cut.plane.iter().all(|x| x.is_finite())) {
+            return broken(format!("cut {i} is the plane {:?}, expected finite numbers", l.cuts[i].plane));
+        }
+        self.check_trees()
+    }
+
+    /// Every cut is named once, by a cell or by a cut before it, so that they form trees, and none is too deep.
+    fn check_trees(&self) -> Result<()> {
+        let cuts = &self.locator.cuts;
+        let mut depth = vec![0; cuts.len()];
+        for (i, &entry) in self.locator.cell_patch.iter().enumerate() {
+            self.check_entry(&mut depth, entry, 0, 1, || format!("cell {i}"))?;
+        }
+        for (i, cut) in cuts.iter().enumerate() {
+            let level = depth[i];
+            if !(1..=DEEPEST_CUT).contains(&level) {
+                let what = format!("cut {i} is the cut {level} below its cell, expected 1 to {DEEPEST_CUT}");
+                return Err(Error::invariant("patches", what));
+            }
+            for child in cut.child {
+                self.check_entry(&mut depth, child, i + 1, level + 1, || format!("cut {i}"))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks what a cell or a cut names, and notes how deep that lies; cuts before `first` are none of its children.
+    fn check_entry(
+        &self,
+        depth: &mut [usize],
+        entry: u32,
+        first: usize,
+        level: usize,
+        by: impl Fn() -> String,
+    ) -> Result<()> {
+        let broken = |what: String| Err(Error::invariant("patches", format!("{} {what}", by())));
+        let (patch, cut) = (entry as usize, (entry & !CUT) as usize);
+        match entry & CUT {
+            0 if patch >= self.len() => broken(format!("names patch {patch}, there are {}", self.len())),
+            0 => Ok(()),
+            _ if !(first..depth.len()).contains(&cut) => {
+                broken(format!("names cut {cut}, expected {first} to {}", depth.len()))
+            }
+            _ if depth[cut] != 0 => broken(format!("names cut {cut}, which is named already")),
+            _ => {
+                depth[cut] = level;
+                Ok(())
+            }
         }
     }
 }
@@ -154,6 +201,16 @@ pub(crate) fn check_offsets(record: &'static str, name: &str, start: &[u32], row
         return Ok(());
     }
     Err(Error::invariant(record, format!("{name} does not run from 0 to {end} in {rows} steps")))
+}
+
+/// The cuts of a locator; files in which no face is cut have no sections for them.
+fn read_cuts(c: &Container) -> Result<Vec<Cut>> {
+    if !c.has("patches.cut_plane") && !c.has("patches.cut_child") {
+        return Ok(vec![]);
+    }
+    let planes = c.array_of::<f32>("patches.cut_plane", &[None, Some(4)])?.as_chunks().0;
+    let children = c.array_of::<u32>("patches.cut_child", &[Some(planes.len()), Some(2)])?.as_chunks().0;
+    Ok(planes.iter().zip(children).map(|(&plane, &child)| Cut { plane, child }).collect())
 }
 
 impl<'a> Record<'a> for Patches {
@@ -183,6 +240,7 @@ impl<'a> Record<'a> for Patches {
                 face_start: c.array_of::<u32>("patches.face_start", &[None])?.to_vec(),
                 cell_key: cell_key.to_vec(),
                 cell_patch: c.array_of::<u32>("patches.cell_patch", &[Some(cell_key.len())])?.to_vec(),
+                cuts: read_cuts(c)?,
             },
         };
         patches.check()?;
@@ -214,5 +272,11 @@ impl<'a> Record<'a> for Patches {
         b.array("patches.face_start", FLAG_REQUIRED, &[l.face_start.len()], &l.face_start[..]);
         b.array("patches.cell_key", FLAG_REQUIRED, &[l.cell_key.len()], &l.cell_key[..]);
         b.array("patches.cell_patch", FLAGS, &[l.cell_patch.len()], &l.cell_patch[..]);
+        if !l.cuts.is_empty() {
+            let planes: Vec<f32> = l.cuts.iter().flat_map(|cut| cut.plane).collect();
+            let children: Vec<u32> = l.cuts.iter().flat_map(|cut| cut.child).collect();
+            b.array("patches.cut_plane", FLAG_REQUIRED, &[l.cuts.len(), 4], planes);
+            b.array("patches.cut_child", FLAGS, &[l.cuts.len(), 2], children);
+        }
     }
 }

@@ -27,6 +27,8 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("patches.face_start", "voxel-simplify"),
     ("patches.cell_key", "voxel-simplify"),
     ("patches.cell_patch", "voxel-simplify"),
+    ("patches.cut_plane", "voxel-simplify"),
+    ("patches.cut_child", "voxel-simplify"),
     ("formfactor.values", "formfactor"),
     ("formfactor.sky", "formfactor"),
     ("series.meta", "series"),
@@ -47,6 +49,14 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("transfer.fine_source", "transfer"),
     ("transfer.fine_receiver", "transfer"),
 ];
+
+/// Sections that version 1.1 brought; all others are those of 1.0.
+const SINCE_1_1: &[&str] = &["patches.cut_plane", "patches.cut_child"];
+
+/// The minor version that brought a section; 0 for those that no version knows.
+pub fn minor_of(section: &str) -> u16 {
+    u16::from(SINCE_1_1.contains(&section))
+}
 
 /// The stage that writes a section, if this version knows it.
 pub fn stage_of(section: &str) -> Option<&'static str> {

@@ -5,7 +5,7 @@ mod fixture;
 
 use std::path::{Path, PathBuf};
 
-use fixture::{Extras, cube, every_feature};
+use fixture::{Extras, cube, every_feature, parted_floor, patches_of_a_parted_floor};
 use radfile::{
     BlockFormat, Container, FLAG_PATCH_ORDER, FormFactors, Materials, Mesh, Operator, PackedOperator, Patches,
     Permutation, Provenance, Record, Transfer, ValueMap, digest,
@@ -18,6 +18,8 @@ const FILES: [(&str, &str); 4] = [
     ("cube-bc1.rad", "10d145108335187f2886bbfaf0209fe3e76a1f82d1c372232d95df74cc9a9d7d"),
     ("every-feature.rad", "cf85602b154f76204f72a277faba1cfa88353ec92e3292e04454f831eb014893"),
 ];
+
+const PARTED_FLOOR: &str = "9412d0702a70d18e5391d5eab844efb0739f244a98e0f399586c146a26460860";
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/compat/1.0")
@@ -46,6 +48,26 @@ fn every_file_of_the_folder_is_listed_here() {
     names.sort();
     listed.sort();
     assert_eq!(names, listed);
+    assert_eq!(std::fs::read_dir(folder().join("../1.1")).expect("the folder is there").count(), 2);
+}
+
+#[test]
+fn the_file_of_version_1_1_is_the_one_that_was_written_then_and_is_read() {
+    let folder = folder().join("../1.1");
+    let version = std::fs::read_to_string(folder.join("VERSION")).expect("it says who wrote the folder");
+    assert_eq!(version.trim(), "container 1.1");
+    let c = Container::open(&folder.join("parted-floor.rad")).expect("legal");
+    assert_eq!(c.version(), (1, 1));
+    assert_eq!(digest(c.as_bytes()), PARTED_FLOOR, "this is not the file that version 1.1 wrote");
+    assert_eq!(c.as_bytes(), parted_floor().as_bytes(), "version 1.1 is still what is written");
+    let patches = Patches::read(&c).expect("legal");
+    assert_eq!(patches, patches_of_a_parted_floor());
+    // The front of triangle 9, the half of the floor with its corner at (0, 1).
+    let [near, far] = [[0.1, 0.3, 0.0], [0.6, 0.9, 0.0]].map(|p| patches.locator.patch_at(18, p).expect("a patch"));
+    assert_eq!(
+        (patches.position[near as usize], patches.position[far as usize]),
+        ([0.25, 0.25, 0.0], [0.75, 0.75, 0.0])
+    );
 }
 
 #[test]
@@ -135,7 +157,7 @@ fn every_feature_is_read_and_handed_through() {
     assert_eq!(radfile::Builder::from_input(&c, |_| true).to_bytes(), c.as_bytes());
 }
 
-/// Version 1.0 is still what is written, byte for byte where no elementary function is involved.
+/// Version 1.0 is still what is written where nothing of 1.1 is needed, byte for byte where no elementary function is involved.
 #[test]
 fn the_same_records_still_give_the_same_files() {
     assert_eq!(cube().builder().to_bytes(), open("cube.rad").as_bytes());

@@ -1,7 +1,7 @@
 //! Sheets to patches: one for each side that is used, and the locator that finds them again.
 
 use glam::{DVec3, Vec3};
-use radfile::{PatchLocator, Patches, Piece, Side, face_id};
+use radfile::{CUT, Cut, PatchLocator, Patches, Piece, Side, face_id};
 use rayon::prelude::*;
 
 use crate::{
@@ -11,6 +11,7 @@ use crate::{
     group::Sheets,
     merge::Merged,
     surface::{Surface, turn},
+    tree::{Child, Node},
 };
 
 /// A patch smaller than this part of a voxel's side is no patch.
@@ -173,15 +174,51 @@ pub fn locate(
         for side in [Side::Front, Side::Back] {
             if surface.uses(side) {
                 let side = turn(side, surface.turned[triangle]);
-                for clip in clips.of_triangle[carrier].clone() {
-                    if let Some(patch) = patch_of(clip as usize, side) {
-                        locator.cell_key.push(clips.clips[clip as usize].cell.0);
-                        locator.cell_patch.push(patch);
+                let (own, mut first) = (clips.of_triangle[carrier].clone(), clips.of_triangle[carrier].start);
+                while first < own.end {
+                    let clip = &clips.clips[first as usize];
+                    let parts = clips.pieces_of(clip.triangle, clip.cell);
+                    let patches = parts.clone().map(|part| patch_of(part as usize, side));
+                    let nodes = clip.cutting.map_or(&[][..], |number| &clips.cuttings[number as usize].nodes);
+                    if let Some(entry) = plant(&mut locator.cuts, nodes, &patches.collect::<Vec<_>>()) {
+                        locator.cell_key.push(clip.cell.0);
+                        locator.cell_patch.push(entry);
                     }
+                    first = parts.end;
                 }
             }
             locator.face_start.push(locator.cell_key.len() as u32);
         }
     }
     locator
+}
+
+/// Adds the tree of a piece that was cut, whose leaves have these patches, and returns the locator's entry for it.
+///
+/// A leaf without a patch leaves its place to the other side of the nearest cut.
+fn plant(cuts: &mut Vec<Cut>, nodes: &[Node], patches: &[Option<u32>]) -> Option<u32> {
+    if nodes.is_empty() {
+        return patches[0];
+    }
+    let first = cuts.len() as u32;
+    let entry = |child: Child| match child {
+        Child::Leaf(leaf) => leaf,
+        Child::Node(node) => CUT | node,
+    };
+    let tree = PatchLocator {
+        face_start: vec![0, 1],
+        cell_key: vec![0],
+        cell_patch: vec![CUT],
+        cuts: nodes.iter().map(|n| Cut { plane: plane(n), child: n.child.map(entry) }).collect(),
+        ..PatchLocator::default()
+    };
+    let tree = tree.renumbered(|leaf| patches[leaf as usize]);
+    let shifted = |entry: u32| if entry & CUT != 0 { entry + first } else { entry };
+    cuts.extend(tree.cuts.iter().map(|cut| Cut { child: cut.child.map(shifted), ..*cut }));
+    tree.cell_patch.first().copied().map(shifted)
+}
+
+fn plane(node: &Node) -> [f32; 4] {
+    let normal = node.normal.as_vec3();
+    [normal.x, normal.y, normal.z, node.offset as f32]
 }

@@ -11,7 +11,7 @@ use glam::DVec3;
 use radfile::CellKey;
 use rayon::prelude::*;
 
-use crate::{grid::Grid, surface::Surface};
+use crate::{grid::Grid, surface::Surface, tree::Cutting};
 
 /// Pieces smaller than this part of a cell's side are rounding, not surface.
 const LEAST_AREA: f64 = 1e-12;
@@ -34,9 +34,11 @@ pub enum Edge {
     Below(u8),
     /// The upper plane of the cell across this axis.
     Above(u8),
+    /// A node of the piece's [`Cutting`].
+    Cut(u8),
 }
 
-/// The part of a triangle that lies in a cell: a convex polygon in the triangle's winding.
+/// The part of a triangle that lies in a cell, or a part of that: a convex polygon in the triangle's winding.
 #[derive(Clone, Debug)]
 pub struct Clip {
     pub triangle: u32,
@@ -44,6 +46,22 @@ pub struct Clip {
     /// m².
     pub area: f64,
     pub corners: Vec<Corner>,
+    /// What stands on the triangle in this cell, by its number in [`Clips::cuttings`]; the parts of a triangle in a cell
+    /// that was cut have it in common.
+    pub cutting: Option<u32>,
+}
+
+impl Clip {
+    /// Whether the triangle was cut in this cell.
+    pub fn is_part(&self) -> bool {
+        self.corners.iter().any(|corner| matches!(corner.edge, Edge::Cut(_)))
+    }
+
+    /// The edges with their ends.
+    pub fn edges(&self) -> impl Iterator<Item = (Edge, [DVec3; 2])> + '_ {
+        let next = self.corners.iter().cycle().skip(1);
+        self.corners.iter().zip(next).map(|(corner, next)| (corner.edge, [corner.point, next.point]))
+    }
 }
 
 /// All pieces of a surface.
@@ -52,15 +70,28 @@ pub struct Clips {
     pub clips: Vec<Clip>,
     /// For every triangle of the mesh, its pieces.
     pub of_triangle: Vec<Range<u32>>,
+    pub cuttings: Vec<Cutting>,
     /// Area that was lost as rounding, one side, m².
     pub lost_area: f64,
+}
+
+impl Clips {
+    /// The pieces of a triangle in a cell: several if it was cut there.
+    pub fn pieces_of(&self, triangle: u32, cell: CellKey) -> Range<u32> {
+        let all = self.of_triangle[triangle as usize].clone();
+        let own = &self.clips[all.start as usize..all.end as usize];
+        let first = own.partition_point(|c| c.cell < cell);
+        let count = own[first..].iter().take_while(|c| c.cell == cell).count();
+        all.start + first as u32..all.start + (first + count) as u32
+    }
 }
 
 /// Cuts every triangle of the surface.
 pub fn clip(surface: &Surface, grid: &Grid) -> Clips {
     let cut_batch = |batch: &[u32]| -> Vec<_> { batch.iter().map(|&t| cut(surface, grid, t)).collect() };
     let batches: Vec<Vec<(Vec<Clip>, f64)>> = surface.triangles.par_chunks(BATCH).map(cut_batch).collect();
-    let mut all = Clips { clips: Vec::new(), of_triangle: vec![0..0; surface.area.len()], lost_area: 0.0 };
+    let of_triangle = vec![0..0; surface.area.len()];
+    let mut all = Clips { clips: Vec::new(), of_triangle, cuttings: vec![], lost_area: 0.0 };
     for (&triangle, (pieces, lost)) in surface.triangles.iter().zip(batches.into_iter().flatten()) {
         let start = all.clips.len() as u32;
         all.clips.extend(pieces);
@@ -82,7 +113,7 @@ fn cut(surface: &Surface, grid: &Grid, triangle: u32) -> (Vec<Clip>, f64) {
             for (k, corners) in slabs(grid, 2, bar) {
                 match area(&corners) {
                     area if area < least => lost += area,
-                    area => pieces.push(Clip { triangle, cell: CellKey::new([i, j, k]), area, corners }),
+                    area => pieces.push(Clip { triangle, cell: CellKey::new([i, j, k]), area, corners, cutting: None }),
                 }
             }
         }
@@ -99,7 +130,13 @@ fn slabs(grid: &Grid, axis: usize, polygon: Vec<Corner>) -> Vec<(i64, Vec<Corner
     let mut slabs = Vec::with_capacity((last - first + 1) as usize);
     let mut rest = polygon;
     for layer in first..last {
-        let (below, above) = split(&rest, axis, grid.plane(axis, layer + 1));
+        let plane = grid.plane(axis, layer + 1);
+        let edges = [Edge::Above(axis as u8), Edge::Below(axis as u8)];
+        let put = |mut point: DVec3| {
+            point[axis] = plane;
+            point
+        };
+        let (below, above) = split(&rest, |p| p[axis] - plane, edges, put);
         slabs.push((layer, below));
         rest = above;
     }
@@ -108,34 +145,41 @@ fn slabs(grid: &Grid, axis: usize, polygon: Vec<Corner>) -> Vec<(i64, Vec<Corner
     slabs
 }
 
-/// The parts of a convex polygon on both sides of a plane across `axis`.
-fn split(polygon: &[Corner], axis: usize, plane: f64) -> (Vec<Corner>, Vec<Corner>) {
+/// The parts of a convex polygon where a distance is negative and where it is positive.
+///
+/// The new edge of the part below is `edges[0]`, that of the part above `edges[1]`; `put` puts new corners exactly in
+/// the plane.
+pub fn split(
+    polygon: &[Corner],
+    distance: impl Fn(DVec3) -> f64,
+    edges: [Edge; 2],
+    put: impl Fn(DVec3) -> DVec3,
+) -> (Vec<Corner>, Vec<Corner>) {
     let mut below = Vec::with_capacity(polygon.len() + 2);
     let mut above = Vec::with_capacity(polygon.len() + 2);
     for (i, corner) in polygon.iter().enumerate() {
         let next = &polygon[(i + 1) % polygon.len()];
-        let (d, e) = (corner.point[axis] - plane, next.point[axis] - plane);
+        let (d, e) = (distance(corner.point), distance(next.point));
         if d <= 0.0 {
             let leaves = d == 0.0 && e > 0.0;
-            below.push(Corner { edge: if leaves { Edge::Above(axis as u8) } else { corner.edge }, ..*corner });
+            below.push(Corner { edge: if leaves { edges[0] } else { corner.edge }, ..*corner });
         }
         if d >= 0.0 {
             let leaves = d == 0.0 && e < 0.0;
-            above.push(Corner { edge: if leaves { Edge::Below(axis as u8) } else { corner.edge }, ..*corner });
+            above.push(Corner { edge: if leaves { edges[1] } else { corner.edge }, ..*corner });
         }
         if (d < 0.0 && e > 0.0) || (d > 0.0 && e < 0.0) {
-            let mut point = corner.point + d / (d - e) * (next.point - corner.point);
-            point[axis] = plane;
+            let point = put(corner.point + d / (d - e) * (next.point - corner.point));
             let falls = d > 0.0;
-            below.push(Corner { point, edge: if falls { corner.edge } else { Edge::Above(axis as u8) } });
-            above.push(Corner { point, edge: if falls { Edge::Below(axis as u8) } else { corner.edge } });
+            below.push(Corner { point, edge: if falls { corner.edge } else { edges[0] } });
+            above.push(Corner { point, edge: if falls { edges[1] } else { corner.edge } });
         }
     }
     (below, above)
 }
 
 /// Area of a plane polygon, m².
-fn area(corners: &[Corner]) -> f64 {
+pub fn area(corners: &[Corner]) -> f64 {
     let origin = corners[0].point;
     let cross: DVec3 = corners.windows(2).map(|w| (w[0].point - origin).cross(w[1].point - origin)).sum();
     0.5 * cross.length()

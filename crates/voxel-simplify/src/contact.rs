@@ -10,14 +10,17 @@
 //! folded back onto itself, so the two sides of a thin wedge never count as one.
 //!
 //! Where a third surface stands on the common edge, the floors of two rooms and the wall between
-//! them, the contact is cut: light does not pass from one floor to the other.
+//! them, the contact is cut: light does not pass from one floor to the other. The same holds for the
+//! parts of a piece that was cut (`cut`), where walls stand on half of their common edge or more.
 
 use glam::DVec3;
 
 use crate::{
     boxes::{Box3, close_pairs},
-    clip::{Clip, Edge},
+    clip::{Clip, Clips, Edge},
     surface::Surface,
+    tree::Cutting,
+    wall::{Wall, covered},
 };
 
 /// Pieces that are paired with one piece along one edge; more meet through each other.
@@ -26,7 +29,12 @@ const MOST_ON_AN_EDGE: usize = 16;
 /// Largest tolerance for the place of an edge, as a part of its length.
 const MOST_OF_EDGE: f64 = 0.05;
 /// Cosine of 50°: pieces that face apart by less go on in each other, others stand on each other.
-const GOES_ON: f64 = 0.643;
+pub const GOES_ON: f64 = 0.643;
+/// Part of a common edge that must be walled for the contact to be cut.
+pub const WALLED: f64 = 0.5;
+/// A contact is weak if it is shorter than this part of the root of the smaller area, or than so many tolerances.
+const WEAK: f64 = 0.05;
+const WEAK_TOLERANCES: f64 = 8.0;
 
 /// Two pieces of one cell that touch, by their numbers in the cell.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +45,8 @@ pub struct Contact {
     pub turned: bool,
     /// Length of the common edge, metres.
     pub length: f64,
+    /// Too short to make one sheet of two: see [`is_weak`].
+    pub weak: bool,
     /// Ends of the common edge.
     ends: [DVec3; 2],
 }
@@ -48,6 +58,8 @@ struct Segment {
     /// Whether the piece runs from the smaller to the larger.
     forward: bool,
     piece: u32,
+    /// Whether it may be a part of the edge only, because its piece was cut.
+    part: bool,
     from: DVec3,
     to: DVec3,
 }
@@ -64,11 +76,12 @@ impl Segment {
     }
 }
 
-/// All contacts in a cell; `tolerance` in metres.
-pub fn contacts(surface: &Surface, pieces: &[&Clip], tolerance: f64) -> Vec<Contact> {
+/// All contacts among the pieces of a cell, which are some of `clips`; `tolerance` in metres.
+pub fn contacts(surface: &Surface, clips: &Clips, pieces: &[&Clip], tolerance: f64) -> Vec<Contact> {
     let mut segments = segments(surface, pieces);
     segments.sort_by_key(|s| (s.key, s.piece));
-    let shared: Vec<&[Segment]> = segments.chunk_by(|s, t| s.key == t.key).collect();
+    // Parts of an edge stand alone: they meet others, on that edge too, in space.
+    let shared: Vec<&[Segment]> = segments.chunk_by(|s, t| s.key == t.key && !s.part && !t.part).collect();
     let mut contacts = Vec::new();
     for edge in &shared {
         for (i, s) in edge.iter().enumerate() {
@@ -79,25 +92,82 @@ pub fn contacts(surface: &Surface, pieces: &[&Clip], tolerance: f64) -> Vec<Cont
                     b: t.piece,
                     turned: s.forward == t.forward,
                     length: shorter.length(),
+                    weak: false,
                     ends: [shorter.from, shorter.to],
                 }
             }));
         }
     }
     meet_in_space(&shared, tolerance, &mut contacts);
+    let walled = |c: &Contact| is_walled(clips, pieces, c, tolerance);
+    contacts.retain(|c| !goes_on(surface, pieces, c) || !walled(c));
+    contacts.extend(within_triangles(pieces, tolerance).into_iter().filter(|c| !walled(c)));
+    for contact in &mut contacts {
+        contact.weak = is_weak(pieces, contact, tolerance);
+    }
     cut_below_walls(surface, pieces, &contacts, tolerance)
+}
+
+/// Whether a contact is so short that it may be there by rounding only.
+///
+/// Walls cut pieces up to the tolerance, so a tip of a piece may reach to the other side of a wall. Such tips must not
+/// link what the wall parts.
+fn is_weak(pieces: &[&Clip], c: &Contact, tolerance: f64) -> bool {
+    let [a, b] = [c.a, c.b].map(|piece| pieces[piece as usize]);
+    (a.is_part() || b.is_part()) && c.length < (WEAK * a.area.min(b.area).sqrt()).max(WEAK_TOLERANCES * tolerance)
+}
+
+/// Whether two pieces face alike enough for one to go on in the other.
+fn goes_on(surface: &Surface, pieces: &[&Clip], c: &Contact) -> bool {
+    let normal = |piece: u32| surface.normal[pieces[piece as usize].triangle as usize];
+    normal(c.a).dot(normal(c.b)).abs() >= GOES_ON
+}
+
+/// Whether that which stands on two pieces stands between them. Within a triangle all of that counts; on the edge of
+/// two triangles only what is so upright that it can be neither of them.
+fn is_walled(clips: &Clips, pieces: &[&Clip], c: &Contact, tolerance: f64) -> bool {
+    let [a, b] = [c.a, c.b].map(|piece| pieces[piece as usize]);
+    let within = a.triangle == b.triangle;
+    let walls = walls(clips, a).chain(walls(clips, b).filter(|_| !within));
+    covered(walls.filter(|wall| within || wall.upright), c.ends, tolerance) >= WALLED * c.length
+}
+
+/// What stands on the triangle of a piece in its cell.
+pub fn walls<'a>(clips: &'a Clips, clip: &Clip) -> impl Iterator<Item = &'a Wall> + use<'a> {
+    let cutting: Option<&Cutting> = clip.cutting.map(|number| &clips.cuttings[number as usize]);
+    cutting.into_iter().flat_map(|cutting| &cutting.walls)
+}
+
+/// Contacts of the parts of one triangle, along the edges at which it was cut.
+fn within_triangles(pieces: &[&Clip], tolerance: f64) -> Vec<Contact> {
+    let mut edges: Vec<(u32, u8, Segment)> = Vec::new();
+    for (clip, piece) in pieces.iter().zip(0..) {
+        for (edge, [from, to]) in clip.edges() {
+            if let (Edge::Cut(node), Some(cutting)) = (edge, clip.cutting) {
+                edges.push((cutting, node, Segment { key: (0, 0), forward: true, piece, part: true, from, to }));
+            }
+        }
+    }
+    edges.sort_by_key(|&(cutting, node, ref s)| (cutting, node, s.piece));
+    let mut contacts = Vec::new();
+    for same in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        for (i, (.., s)) in same.iter().enumerate() {
+            contacts.extend(same[i + 1..].iter().filter_map(|(.., t)| meet(s, t, tolerance)));
+        }
+    }
+    contacts
 }
 
 fn segments(surface: &Surface, pieces: &[&Clip]) -> Vec<Segment> {
     let mut segments = Vec::new();
     for (clip, piece) in pieces.iter().zip(0..) {
         let vertices = surface.scene.mesh.triangles[clip.triangle as usize].map(|v| surface.welded[v as usize]);
-        for (i, corner) in clip.corners.iter().enumerate() {
-            let Edge::Triangle(k) = corner.edge else { continue };
-            let (from, to) = (corner.point, clip.corners[(i + 1) % clip.corners.len()].point);
+        let part = clip.is_part();
+        for (edge, [from, to]) in clip.edges() {
+            let Edge::Triangle(k) = edge else { continue };
             let (v, w) = (vertices[k as usize], vertices[(k as usize + 1) % 3]);
             if from != to {
-                segments.push(Segment { key: (v.min(w), v.max(w)), forward: v < w, piece, from, to });
+                segments.push(Segment { key: (v.min(w), v.max(w)), forward: v < w, piece, part, from, to });
             }
         }
     }
@@ -123,11 +193,11 @@ fn meet(s: &Segment, t: &Segment, tolerance: f64) -> Option<Contact> {
     let (first, second) = if s.piece < t.piece { (s, t) } else { (t, s) };
     let ends = overlap([first.from, first.to], [second.from, second.to], tolerance)?;
     let turned = (first.to - first.from).dot(second.to - second.from) > 0.0;
-    Some(Contact { a: first.piece, b: second.piece, turned, length: ends[0].distance(ends[1]), ends })
+    Some(Contact { a: first.piece, b: second.piece, turned, length: ends[0].distance(ends[1]), weak: false, ends })
 }
 
 /// What two segments have in common, if that is more than the tolerance. For short ones that is a part of their length.
-fn overlap(s: [DVec3; 2], t: [DVec3; 2], tolerance: f64) -> Option<[DVec3; 2]> {
+pub fn overlap(s: [DVec3; 2], t: [DVec3; 2], tolerance: f64) -> Option<[DVec3; 2]> {
     let (d, e) = (s[1] - s[0], t[1] - t[0]);
     let (longer, shorter) = (d.length_squared().max(e.length_squared()), d.length_squared().min(e.length_squared()));
     let tolerance = tolerance.min(MOST_OF_EDGE * shorter.sqrt());
@@ -147,8 +217,7 @@ fn overlap(s: [DVec3; 2], t: [DVec3; 2], tolerance: f64) -> Option<[DVec3; 2]> {
 
 /// The contacts that no third piece stands on for half of their length or more.
 fn cut_below_walls(surface: &Surface, pieces: &[&Clip], contacts: &[Contact], tolerance: f64) -> Vec<Contact> {
-    let normal = |piece: u32| surface.normal[pieces[piece as usize].triangle as usize];
-    let goes_on = |c: &Contact| normal(c.a).dot(normal(c.b)).abs() >= GOES_ON;
+    let goes_on = |c: &Contact| goes_on(surface, pieces, c);
     let mut standing: Vec<Vec<(u32, [DVec3; 2])>> = vec![Vec::new(); pieces.len()];
     for c in contacts.iter().filter(|c| !goes_on(c)) {
         standing[c.a as usize].push((c.b, c.ends));
@@ -158,7 +227,7 @@ fn cut_below_walls(surface: &Surface, pieces: &[&Clip], contacts: &[Contact], to
         walls.sort_by_key(|(wall, _)| *wall);
     }
     let covers = |c: &Contact, ends: [DVec3; 2]| {
-        overlap(ends, c.ends, tolerance).is_some_and(|common| common[0].distance(common[1]) >= 0.5 * c.length)
+        overlap(ends, c.ends, tolerance).is_some_and(|common| common[0].distance(common[1]) >= WALLED * c.length)
     };
     let on = |piece: u32, wall: u32| {
         let walls = &standing[piece as usize];

@@ -1,7 +1,7 @@
 //! Patches before it is known which of them are seen and what colour they have.
 
 use glam::DVec3;
-use radfile::{PatchLocator, Patches, Piece};
+use radfile::{Patches, Piece};
 
 use crate::assemble::nearest;
 
@@ -53,7 +53,7 @@ pub fn compose(drafted: &Patches, owner: &[Option<u32>]) -> Patches {
         push_mean(drafted, group, &mut patches);
         patches.piece_start.push(patches.pieces.len() as u32);
     }
-    patches.locator = renumber(&drafted.locator, &number);
+    patches.locator = drafted.locator.renumbered(|drafted| number[drafted as usize]);
     patches
 }
 
@@ -81,24 +81,4 @@ fn push_mean(drafted: &Patches, group: &[(u32, usize)], patches: &mut Patches) {
     patches.area.push(area as f32);
     patches.reflectance.push(mean(&drafted.reflectance).as_vec3().to_array());
     patches.emission.push(mean(&drafted.emission).as_vec3().to_array());
-}
-
-/// The same table with other patch numbers; entries without a number disappear.
-fn renumber(from: &PatchLocator, number: &[Option<u32>]) -> PatchLocator {
-    let mut to = PatchLocator {
-        grid_origin: from.grid_origin,
-        cell_size: from.cell_size,
-        face_start: vec![0],
-        ..PatchLocator::default()
-    };
-    for face in from.face_start.windows(2) {
-        for entry in face[0] as usize..face[1] as usize {
-            if let Some(patch) = number[from.cell_patch[entry] as usize] {
-                to.cell_key.push(from.cell_key[entry]);
-                to.cell_patch.push(patch);
-            }
-        }
-        to.face_start.push(to.cell_key.len() as u32);
-    }
-    to
 }

@@ -56,6 +56,11 @@ impl Grid {
         Ok(Grid { origin, size: cell, layers })
     }
 
+    /// Places that are nearer to each other than this are the same but for rounding, metres.
+    pub fn tolerance(&self, surface: &Surface) -> f64 {
+        (1e-5 * (surface.upper - surface.lower).length()).min(1e-3 * self.size)
+    }
+
     /// The layer that a coordinate lies in.
     pub fn layer(&self, axis: usize, x: f64) -> i64 {
         (((x - self.origin[axis]) / self.size).floor() as i64).clamp(0, self.layers[axis] - 1)

@@ -6,19 +6,25 @@
 //! frame.
 
 use glam::DVec3;
+use radfile::CellKey;
 use rayon::prelude::*;
 
 use crate::{
+    cells::Cells,
     clip::{Clip, Clips, Edge},
-    contact::{Contact, contacts},
+    contact::{Contact, WALLED, contacts, walls},
     grid::Grid,
     surface::Surface,
+    wall::covered,
 };
 
 /// Cosine of 35°: pieces that face further away from the mean start a sheet of their own.
 const CONE: f64 = 0.819;
 /// Sheets smaller than this part of a cell's side look for a neighbour to join.
 pub const SMALL: f64 = 0.04;
+
+/// A wall that stands this far from a plane between cells, in cells, still keeps apart what touches there.
+const BESIDE: f64 = 1e-3;
 
 /// A connected part of the surface in one cell.
 #[derive(Clone, Copy, Debug)]
@@ -62,35 +68,32 @@ struct Cell {
 }
 
 /// Gathers the pieces of every cell.
-pub fn group(surface: &Surface, grid: &Grid, clips: &Clips) -> Sheets {
-    let mut order: Vec<u32> = (0..clips.clips.len() as u32).collect();
-    order.par_sort_unstable_by_key(|&c| (clips.clips[c as usize].cell, c));
-    let runs: Vec<&[u32]> =
-        order.chunk_by(|&a, &b| clips.clips[a as usize].cell == clips.clips[b as usize].cell).collect();
+pub fn group(surface: &Surface, grid: &Grid, clips: &Clips, tolerance: f64) -> Sheets {
+    let by_cell = Cells::new(clips);
     let small = SMALL * grid.size * grid.size;
-    let tolerance = (1e-5 * (surface.upper - surface.lower).length()).min(1e-3 * grid.size);
-    let cells: Vec<Cell> = runs
-        .par_iter()
+    let cells: Vec<Cell> = (0..by_cell.runs.len())
+        .into_par_iter()
         .map(|run| {
-            let pieces: Vec<&Clip> = run.iter().map(|&c| &clips.clips[c as usize]).collect();
-            group_cell(surface, &pieces, tolerance, small)
+            let pieces: Vec<&Clip> = by_cell.of(run).iter().map(|&c| &clips.clips[c as usize]).collect();
+            group_cell(surface, clips, &pieces, tolerance, small)
         })
         .collect();
-    let mut all = Sheets { sheets: vec![], of_clip: vec![(0, false); order.len()], touches: vec![], cells: runs.len() };
-    for (run, cell) in runs.iter().zip(cells) {
+    let mut all =
+        Sheets { sheets: vec![], of_clip: vec![(0, false); clips.clips.len()], touches: vec![], cells: cells.len() };
+    for (run, cell) in cells.into_iter().enumerate() {
         let first = all.sheets.len() as u32;
-        for (&clip, (sheet, turned)) in run.iter().zip(cell.of_piece) {
+        for (&clip, (sheet, turned)) in by_cell.of(run).iter().zip(cell.of_piece) {
             all.of_clip[clip as usize] = (first + sheet, turned);
         }
         all.touches.extend(cell.touches.iter().map(|t| Touch { a: first + t.a, b: first + t.b, ..*t }));
         all.sheets.extend(cell.sheets);
     }
-    touch_across_planes(clips, &mut all, small);
+    touch_across_planes(clips, &mut all, small, BESIDE * grid.size);
     all
 }
 
-fn group_cell(surface: &Surface, pieces: &[&Clip], tolerance: f64, small: f64) -> Cell {
-    let contacts = contacts(surface, pieces, tolerance);
+fn group_cell(surface: &Surface, clips: &Clips, pieces: &[&Clip], tolerance: f64, small: f64) -> Cell {
+    let contacts = contacts(surface, clips, pieces, tolerance);
     let neighbours = neighbours(pieces.len(), &contacts);
     let mut by_area: Vec<usize> = (0..pieces.len()).collect();
     by_area.sort_by(|&a, &b| pieces[b].area.total_cmp(&pieces[a].area).then(a.cmp(&b)));
@@ -124,10 +127,10 @@ fn group_cell(surface: &Surface, pieces: &[&Clip], tolerance: f64, small: f64) -
     Cell { touches: touches.collect(), sheets, of_piece }
 }
 
-/// For every piece, what it touches and whether turned.
+/// For every piece, what it may make a sheet with and whether turned.
 fn neighbours(count: usize, contacts: &[Contact]) -> Vec<Vec<(usize, bool)>> {
     let mut neighbours = vec![Vec::new(); count];
-    for c in contacts {
+    for c in contacts.iter().filter(|c| !c.weak) {
         neighbours[c.a as usize].push((c.b as usize, c.turned));
         neighbours[c.b as usize].push((c.a as usize, c.turned));
     }
@@ -175,21 +178,33 @@ fn touch(
     matters.then_some(Touch { a, b, turned: a_turned ^ b_turned ^ turned, length })
 }
 
-/// Enters touches of pieces of one triangle on both sides of a plane between cells.
-fn touch_across_planes(clips: &Clips, all: &mut Sheets, small: f64) {
+/// Enters touches of pieces of one triangle on both sides of a plane between cells, unless a wall stands there.
+fn touch_across_planes(clips: &Clips, all: &mut Sheets, small: f64, beside: f64) {
     let mut touches = Vec::new();
     for (clip, &here) in clips.clips.iter().zip(&all.of_clip) {
-        for (i, corner) in clip.corners.iter().enumerate() {
-            let Edge::Above(axis) = corner.edge else { continue };
+        for (edge, ends) in clip.edges() {
+            let Edge::Above(axis) = edge else { continue };
             let mut cell = clip.cell.cell();
             cell[axis as usize] += 1;
-            let range = clips.of_triangle[clip.triangle as usize].clone();
-            let own = &clips.clips[range.start as usize..range.end as usize];
-            let Ok(at) = own.binary_search_by_key(&radfile::CellKey::new(cell), |c| c.cell) else { continue };
-            let there = all.of_clip[range.start as usize + at];
-            let length = corner.point.distance(clip.corners[(i + 1) % clip.corners.len()].point);
-            touches.extend(touch(&all.sheets, small, here, there, false, length));
+            for number in clips.pieces_of(clip.triangle, CellKey::new(cell)) {
+                let other = &clips.clips[number as usize];
+                let length = other.edges().filter(|(edge, _)| *edge == Edge::Below(axis)).map(|(_, e)| common(ends, e));
+                let length = length.sum::<f64>();
+                let touch = touch(&all.sheets, small, here, all.of_clip[number as usize], false, length);
+                let is_walled = || {
+                    let walls = walls(clips, clip).chain(walls(clips, other)).filter(|wall| wall.upright);
+                    covered(walls, ends, beside) >= WALLED * ends[0].distance(ends[1])
+                };
+                touches.extend(touch.filter(|t| t.length > 0.0 && !is_walled()));
+            }
         }
     }
     all.touches.extend(touches);
+}
+
+/// Metres that two edges on one line have in common.
+fn common(s: [DVec3; 2], t: [DVec3; 2]) -> f64 {
+    let along = (s[1] - s[0]).normalize_or_zero();
+    let [a, b] = t.map(|p| (p - s[0]).dot(along));
+    a.max(b).min((s[1] - s[0]).dot(along)) - a.min(b).max(0.0)
 }

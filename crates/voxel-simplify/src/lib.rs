@@ -1,7 +1,7 @@
 //! Scene to patches: triangles clipped to voxels and grouped.
 //!
-//! Every triangle is clipped to the cells of a voxel grid (`grid`, `clip`). Within a cell, pieces that
-//! touch and face the same way make one sheet (`contact`, `group`); sheets too small to matter join
+//! Every triangle is clipped to the cells of a voxel grid (`grid`, `clip`) and cut where others stand on
+//! it or pass through it (`cut`). Within a cell, pieces that touch and face the same way make one sheet (`contact`, `group`); sheets too small to matter join
 //! a neighbour that they touch (`merge`). Each side of a sheet is a patch (`assemble`), unless it
 //! sees nothing (`visibility`). `search` finds the voxel size for a number of patches; where parts
 //! that touch nothing would use them up, such parts share patches, and the insides of solids get
@@ -15,8 +15,10 @@ mod air;
 mod assemble;
 mod attributes;
 mod boxes;
+mod cells;
 mod clip;
 mod contact;
+mod cut;
 mod draft;
 mod error;
 mod faces;
@@ -29,8 +31,10 @@ mod report;
 mod search;
 mod simplify;
 mod surface;
+mod tree;
 mod trial;
 mod visibility;
+mod wall;
 
 pub use error::Error;
 pub use report::{Attempt, Report};

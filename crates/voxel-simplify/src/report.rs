@@ -21,8 +21,12 @@ pub struct Report {
     pub coincident_triangles: usize,
     /// Triangles without area.
     pub degenerate_triangles: usize,
-    /// Clipped pieces, each counted once though it may have two sides.
+    /// Clipped and cut pieces, each counted once though it may have two sides.
     pub pieces: usize,
+    /// Pieces that were cut because another surface stands on them or passes through.
+    pub cut: usize,
+    /// Those of them that would have taken more cuts than one piece may have.
+    pub capped: usize,
     /// Small sheets that joined a neighbour.
     pub merged: usize,
     /// Patches on the insides of solids that became part of another, to leave room for what people look at.
@@ -96,6 +100,8 @@ pub fn report(
         coincident_triangles: surface.coincident,
         degenerate_triangles: surface.degenerate,
         pieces: trial.draft.pieces,
+        cut: trial.cuts.cut,
+        capped: trial.cuts.capped,
         merged: trial.draft.merged,
         coarsened: trial.coarsened,
         gathered: trial.gathered,

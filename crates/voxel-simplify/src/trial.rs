@@ -8,6 +8,7 @@ use crate::{
     air::Air,
     assemble::assemble,
     clip::clip,
+    cut::{Count, cut},
     draft::Draft,
     faces::faces,
     gather::{self, count_small},
@@ -34,6 +35,7 @@ pub struct Bench<'a> {
 pub struct Trial {
     pub voxel: f32,
     pub draft: Draft,
+    pub cuts: Count,
     /// For every drafted patch, the one that it is part of; `None` if it sees nothing.
     pub owner: Vec<Option<u32>>,
     /// Visibility rays cast.
@@ -50,13 +52,15 @@ impl Bench<'_> {
         let grid = Grid::new(self.surface, voxel, extra_layers)?;
         self.progress.begin(&format!("patches of voxels of {voxel:.4} m"), 1);
         let clips = clip(self.surface, &grid);
-        let draft = match self.params.mode {
+        let (draft, cuts) = match self.params.mode {
             Mode::Clusters => {
-                let mut sheets = group(self.surface, &grid, &clips);
+                let tolerance = grid.tolerance(self.surface);
+                let (clips, cuts) = cut(self.surface, &grid, clips, tolerance);
+                let mut sheets = group(self.surface, &grid, &clips, tolerance);
                 let merged = merge(&mut sheets, &grid);
-                assemble(self.surface, &grid, &clips, &sheets, &merged)
+                (assemble(self.surface, &grid, &clips, &sheets, &merged), cuts)
             }
-            Mode::Faces => faces(self.surface, &grid, &clips),
+            Mode::Faces => (faces(self.surface, &grid, &clips), Count::default()),
         };
         self.progress.advance(1);
         let count = self.params.visibility_rays;
@@ -65,7 +69,7 @@ impl Bench<'_> {
             return Err(Error::NothingSeen { patches: seen.len(), rays: count });
         }
         let owner = (0..).zip(&seen).map(|(p, &seen)| seen.then_some(p)).collect();
-        Ok(Trial { voxel, draft, owner, rays, coarsened: 0, gathered: 0 })
+        Ok(Trial { voxel, draft, cuts, owner, rays, coarsened: 0, gathered: 0 })
     }
 
     /// Spends patches where they count: coarser ones inside solids and, if small ones crowd out the others or

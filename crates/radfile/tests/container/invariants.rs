@@ -3,13 +3,13 @@
 use std::borrow::Cow;
 
 use radfile::{
-    FormFactors, Materials, Mesh, NO_RECEIVER, Operator, PackedOperator, Packing, Patches, Permutation, Record,
-    Transfer, read_sky,
+    CUT, Cut, FormFactors, Materials, Mesh, NO_RECEIVER, Operator, PackedOperator, Packing, Patches, Permutation,
+    Record, Transfer, read_sky,
 };
 
 use crate::{
     assert_says,
-    fixture::{Cube, cube, open},
+    fixture::{Cube, cube, cube_with_cuts, open},
 };
 
 /// One way to break the cube, and what is said.
@@ -99,8 +99,39 @@ refuses!(
             |c| c.patches.locator.face_start[1..].iter_mut().for_each(|s| *s = (*s + 1).min(12)),
             "the cells of face 0 do not increase"
         ),
+        (|c| c.patches.locator.cell_patch[9] = CUT, "cell 9 names cut 0, expected 0 to 0"),
     ]
 );
+
+#[test]
+fn cuts_that_are_no_trees_are_refused() {
+    let cases: &[Case] = &[
+        (|c| c.patches.locator.cuts[1].plane[3] = f32::NAN, "cut 1 is the plane [0.0, 1.0, 0.0, NaN], expected finite"),
+        (|c| c.patches.locator.cuts[2].child[0] = 6, "patches: cut 2 names patch 6, there are 6"),
+        (|c| c.patches.locator.cuts[2].child[0] = CUT | 2, "cut 2 names cut 2, expected 3 to 3"),
+        (|c| c.patches.locator.cuts[2].child[1] = CUT, "cut 2 names cut 0, expected 3 to 3"),
+        (|c| c.patches.locator.cuts[0].child[0] = CUT | 3, "cut 0 names cut 3, expected 1 to 3"),
+        (|c| c.patches.locator.cuts[0].child[1] = u32::MAX, "cut 0 names cut 2147483647, expected 1 to 3"),
+        (|c| c.patches.locator.cuts[0].child[1] = CUT | 1, "cut 0 names cut 1, which is named already"),
+        (|c| c.patches.locator.cell_patch[0] = CUT, "cell 8 names cut 0, which is named already"),
+        (|c| c.patches.locator.cell_patch[9] = 0, "cut 1 is the cut 0 below its cell, expected 1 to 64"),
+        (
+            |c| {
+                let chain =
+                    |i: u32| Cut { plane: [1.0, 0.0, 0.0, 0.5], child: [0, if i < 64 { CUT | (i + 1) } else { 1 }] };
+                c.patches.locator.cuts = (0..65).map(chain).collect();
+                c.patches.locator.cell_patch[9] = 0;
+            },
+            "cut 64 is the cut 65 below its cell, expected 1 to 64",
+        ),
+    ];
+    for (break_it, said) in cases {
+        let mut cube = cube_with_cuts();
+        break_it(&mut cube);
+        assert_says(Patches::read(&open(&cube.builder())), &[said]);
+    }
+    assert!(Patches::read(&open(&cube_with_cuts().builder())).is_ok());
+}
 
 refuses!(
     form_factors_outside_zero_to_one_are_refused,

@@ -1,8 +1,8 @@
 //! One permutation moves patches, form factors, operator and locator together; light does not notice.
 
-use radfile::{Operator, Patches, Permutation};
+use radfile::{CUT, Cut, Operator, PatchLocator, Patches, Permutation};
 
-use crate::fixture::cube;
+use crate::fixture::{cube, cube_with_cuts, patches_of_a_parted_floor};
 
 /// Irradiance of every patch after one product with the operator.
 fn gather(operator: &Operator, channel: usize, light: &[f32]) -> Vec<f64> {
@@ -57,6 +57,63 @@ fn every_attribute_of_a_patch_moves_with_it() {
         let found = cube.patches.locator.patch_at(cube.patches.pieces_of(new)[0].face, middle);
         assert_eq!(found, Some(new as u32), "the locator names the patch by its new number");
     }
+}
+
+/// Both halves of the floor keep their points in any order, and the trees their shape.
+#[test]
+fn cuts_name_the_patches_by_their_new_numbers() {
+    let old = patches_of_a_parted_floor();
+    let order = Permutation::new(vec![6, 2, 0, 5, 4, 1, 3]).expect("every patch once");
+    let new = old.permuted(&order);
+    new.check().expect("legal");
+    for face in [16, 18] {
+        for i in 0..100 {
+            let point = [(i % 10) as f32 / 10.0 + 0.03, (i / 10) as f32 / 10.0 + 0.04, 0.0];
+            let [a, b] = [&old, &new].map(|p| p.position[p.locator.patch_at(face, point).expect("a patch") as usize]);
+            assert_eq!((a, a[0] > 0.5), (b, point[0] + point[1] >= 1.0), "at {point:?}");
+        }
+    }
+    let back = Permutation::new(order.old_to_new()).expect("an inverse");
+    assert_eq!(new.permuted(&back), old);
+    let (cube, shuffle) = (cube_with_cuts(), Permutation::new(vec![5, 2, 0, 1, 4, 3]).expect("every patch once"));
+    assert_eq!(
+        cube.patches.permuted(&shuffle).permuted(&Permutation::new(shuffle.old_to_new()).expect("one")),
+        cube.patches
+    );
+}
+
+/// Patches 0 to 3 in the quarters of a square, by a tree of three cuts, then a cell with patch 1 alone.
+fn quarters() -> PatchLocator {
+    let plane = |axis: usize| std::array::from_fn(|i| if i == axis { 1.0 } else { 0.5 * f32::from(i == 3) });
+    PatchLocator {
+        cell_size: 1.0,
+        face_start: vec![0, 2],
+        cell_key: vec![0, 1],
+        cell_patch: vec![CUT, 1],
+        cuts: vec![
+            Cut { plane: plane(0), child: [CUT | 1, CUT | 2] },
+            Cut { plane: plane(1), child: [0, 1] },
+            Cut { plane: plane(1), child: [2, 3] },
+        ],
+        ..PatchLocator::default()
+    }
+}
+
+#[test]
+fn the_place_of_a_dropped_patch_goes_to_the_other_side_of_the_nearest_cut() {
+    let places = [[0.2, 0.2, 0.0], [0.2, 0.8, 0.0], [0.8, 0.2, 0.0], [0.8, 0.8, 0.0], [1.5, 0.5, 0.0]];
+    let found = |l: &PatchLocator| places.map(|p| l.patch_at(0, p));
+    assert_eq!(found(&quarters()), [0, 1, 2, 3, 1].map(Some));
+    let without = |dropped: &[u32]| quarters().renumbered(|p| (!dropped.contains(&p)).then_some(p));
+    assert_eq!(found(&without(&[0])), [1, 1, 2, 3, 1].map(Some));
+    assert_eq!(without(&[0]).cuts.len(), 2);
+    assert_eq!(found(&without(&[0, 1])), [2, 3, 2, 3, 3].map(Some), "the second cell has lost its only patch");
+    assert_eq!(found(&without(&[0, 1, 3])), [Some(2); 5]);
+    assert_eq!((without(&[0, 1, 3]).cuts, without(&[0, 1, 3]).cell_patch), (vec![], vec![2]));
+    assert_eq!(found(&without(&[0, 1, 2, 3])), [None; 5]);
+    let joined = quarters().renumbered(|p| Some(p / 2));
+    assert_eq!((found(&joined), joined.cuts.len()), ([0, 0, 1, 1, 0].map(Some), 1));
+    assert_eq!(quarters().renumbered(Some), quarters());
 }
 
 #[test]

@@ -9,7 +9,7 @@ use radfile::{
 
 use crate::{
     assert_says,
-    fixture::{Extras, cube, every_feature, minimal, open, step},
+    fixture::{Extras, cube, cube_with_cuts, every_feature, minimal, open, step},
 };
 
 #[test]
@@ -39,6 +39,20 @@ fn matrices_are_views_and_not_copies() {
     assert!(matches!(&operator.values, Cow::Borrowed(_)));
     assert!(matches!((&packed.blocks, &packed.outlier_value), (Cow::Borrowed(_), Cow::Borrowed(_))));
     assert!(matches!((&packed.outlier_start, &packed.outlier_column), (Cow::Borrowed(_), Cow::Borrowed(_))));
+}
+
+#[test]
+fn a_file_is_of_version_1_1_only_where_a_face_is_cut() {
+    let (plain, cut) = (cube(), cube_with_cuts());
+    let c = open(&cut.builder());
+    assert_eq!((c.version(), open(&plain.builder()).version()), ((1, 1), (1, 0)));
+    assert!(!open(&plain.builder()).has("patches.cut_plane"));
+    assert_eq!(Patches::read(&c).expect("legal"), cut.patches);
+    assert_eq!(radfile::Builder::from_input(&c, |_| true).to_bytes(), c.as_bytes(), "it is handed through as it is");
+    let half = radfile::Builder::from_input(&c, |s| s.name != "patches.cut_plane");
+    assert_says(Patches::read(&open(&half)), &["section patches.cut_plane is missing"]);
+    let half = radfile::Builder::from_input(&c, |s| s.name != "patches.cut_child");
+    assert_says(Patches::read(&open(&half)), &["section patches.cut_child is missing"]);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::{collections::HashMap, path::Path};
 
 use radfile::{Container, ElementType, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, SECTIONS};
 
-use crate::fixture::{cube, minimal, open};
+use crate::fixture::{cube, cube_with_cuts, minimal, open};
 
 fn specification() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../formats/rad.md");
@@ -49,7 +49,7 @@ fn fits(extent: &str, found: u64, symbols: &mut HashMap<String, u64>) -> bool {
 
 #[test]
 fn every_section_has_the_element_shape_and_flags_that_the_specification_lists() {
-    let container = open(&cube().builder());
+    let container = open(&cube_with_cuts().builder());
     let mut symbols = HashMap::new();
     let text = specification();
     let listed = section_rows(&text);

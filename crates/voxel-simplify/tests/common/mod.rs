@@ -91,9 +91,8 @@ impl Build {
 
     /// Turns everything so that nothing is parallel to an axis.
     pub fn tilted(mut self) -> Build {
-        let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2);
         for p in &mut self.mesh.positions {
-            *p = (turn * Vec3::from(*p)).to_array();
+            *p = (tilt() * Vec3::from(*p)).to_array();
         }
         self
     }
@@ -102,6 +101,11 @@ impl Build {
         let materials = Materials { materials: self.materials, textures: vec![] };
         Scene { mesh: self.mesh, materials, extras: Extras::default() }
     }
+}
+
+/// The turn of [`Build::tilted`].
+pub fn tilt() -> Quat {
+    Quat::from_euler(glam::EulerRot::XYZ, 0.4, 0.7, 0.2)
 }
 
 /// A room with a box, a ball and a thin screen; an emissive panel hangs below the ceiling.
