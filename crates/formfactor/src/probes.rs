@@ -8,7 +8,8 @@
 //! where H is the indirect irradiance from all rays, H² that from the second half, and norms are root mean
 //! squares over the area. That is half the difference of the halves, which would be the
 //! standard error of their mean if they were independent. As they are stratified against each other it is
-//! a little more; as the lamps are few, an answer for other lamps differs from it in either way. Measured
+//! a little more; as the lamps are few, an answer for other lamps differs from it in either way: lamps one metre before
+//! surfaces of the apartment err by 1.3 to 1.4 times what was said. Measured
 //! for 20 other lamps against 16 times the rays, RMS over 3 seeds, as a share of what was said:
 //!
 //! | rays of each patch | 256 | 1024 | 2048 | 4096 | by error, 1 % |
