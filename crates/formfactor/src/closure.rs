@@ -1,4 +1,4 @@
-//! Scales a symmetric matrix so that its rows have given sums.
+//! Scales a symmetric matrix so that its rows have given sums: docs/theory.md (9.3), (9.4), (9.5).
 //!
 //! Wanted are d_i > 0 with d_i Σ_j E_ij d_j = r_i. With d = e^x they are where the convex function
 //!

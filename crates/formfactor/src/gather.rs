@@ -1,7 +1,7 @@
 //! The rays of one patch, counted where they land.
 //!
 //! A sample is one point of a four-dimensional Sobol sequence: two numbers place it on the patch,
-//! two give the direction. The density cos θ / π makes the plain count an unbiased estimate of F.
+//! two give the direction. The density cos θ / π makes the plain count an unbiased estimate of F, docs/theory.md (9.1).
 //!
 //! No ray meets the surface that it leaves, whatever the size of the patch and the place of the scene:
 //!

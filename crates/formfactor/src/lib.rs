@@ -12,7 +12,7 @@
 //! - `probes.rs`: what an error of F does to light; `allocation.rs`: which patches need more rays.
 //! - `assemble.rs`: all in order, and the figures of the report.
 //!
-//! Start at [`form_factors`]. Equations: docs/design.md §2, identity 1; method: docs/design.md §6.2.
+//! Start at [`form_factors`]. Equations: docs/theory.md (2.1), (2.2), (2.3) and §9; method: docs/design.md §6.2.
 
 mod allocation;
 mod assemble;

@@ -2,7 +2,7 @@
 //!
 //! E_ij = A_i F_ij = A_j F_ji was counted from both ends. A count c of N rays has variance
 //! N F = N E / A, so weighting both ends by their inverse variance gives
-//! E_ij = (c_ij + c_ji) / (N_i / A_i + N_j / A_j): all rays pooled.
+//! E_ij = (c_ij + c_ji) / (N_i / A_i + N_j / A_j): all rays pooled, docs/theory.md (9.2).
 
 use crate::gather::Tally;
 

@@ -8,7 +8,7 @@ use crate::{Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, 
 
 /// Symmetric operator of `n` patches for one channel (grey scene) or three.
 ///
-/// The frame is H_ind = A^{-1/2} K A^{1/2} (ρ H⁰ + M), per channel (docs/design.md §2, equation 2).
+/// The frame is H_ind = A^{-1/2} K A^{1/2} (ρ H⁰ + M), per channel (docs/theory.md (4.3)).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Operator<'a> {
     /// Number of patches.

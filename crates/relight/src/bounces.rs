@@ -1,4 +1,4 @@
-//! The first k bounces, one after the other: H_k = Σ_{b=1..k} (F ρ)^b H⁰ (docs/design.md §2, equation 1).
+//! The first k bounces, one after the other: H_k = Σ_{b=1..k} (F ρ)^b H⁰, docs/theory.md (3.2).
 
 use radfile::{FormFactors, Patches};
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Irradiance from a polygon of constant radiance, in closed form.
+//! Irradiance from a polygon of constant radiance, in closed form: docs/theory.md (10.4).
 //!
 //! E = L/2 · Σ Γᵢ n·(vᵢ × vᵢ₊₁)/|vᵢ × vᵢ₊₁| over the edges, where vᵢ are the corners seen from the
 //! point and Γᵢ is the angle of an edge; the polygon is first clipped to what is above the horizon.

@@ -1,4 +1,4 @@
-//! All bounces at once: H_ind = A^{-1/2} K A^{1/2} (ρ H⁰) with the packed K (docs/design.md §2, equation 2).
+//! All bounces at once: H_ind = A^{-1/2} K A^{1/2} (ρ H⁰) with the packed K, docs/theory.md (4.3).
 
 use radfile::{PackedOperator, Patches};
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! All bounces by L Lᵀ = I − R W R, tile by tile: Y = L⁻¹ R W and K = W + Yᵀ Y (docs/design.md §2, equation 3).
+//! All bounces by L Lᵀ = I − R W R, tile by tile: Y = L⁻¹ R W and K = W + Yᵀ Y, docs/theory.md (5.4).
 //!
 //! Right-looking: factor a diagonal tile, solve the tiles below it, take their products from all
 //! tiles to the right. faer does the work inside a tile.

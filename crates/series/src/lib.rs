@@ -6,7 +6,7 @@
 //!
 //! - Scaling by areas makes one bounce symmetric: W = A^{1/2} F A^{-1/2} (`one_bounce`).
 //! - All bounces are solved, not summed: I − R W R is symmetric positive definite for every physical F
-//!   (`cholesky`, `conjugate`). docs/design.md §2, equation (3).
+//!   (`cholesky`, `conjugate`), docs/theory.md (5.2), (5.4).
 //! - The first k bounces are summed (`truncated`).
 //! - The inverse as it was first proposed is there for comparison (`paper_inverse`), and [`solve_raw`] takes
 //!   form factors that no scene has, to show where methods fail.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::{Error, methods, tiles::Grid};
 
-/// How the series of bounces is summed. W = A^{1/2} F A^{-1/2} is one bounce, R = ρ^{1/2} (docs/design.md §2).
+/// How the series of bounces is summed. W = A^{1/2} F A^{-1/2} is one bounce, R = ρ^{1/2}, docs/theory.md (5.1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {

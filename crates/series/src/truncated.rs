@@ -1,4 +1,4 @@
-//! The first k bounces, by doubling or one by one.
+//! The first k bounces, by doubling or one by one: docs/theory.md (6.1).
 //!
 //! With P_a = (W ρ)^{a−1} W, the light of bounce a alone, and K_a = P_1 + … + P_a:
 //! K_{a+b} = K_a + P_a ρ K_b and P_{a+b} = P_a ρ P_b. All of them are symmetric, so with R = ρ^{1/2}

@@ -1,4 +1,4 @@
-//! What holds for every room (docs/design.md §2, identities 1, 2 and 4).
+//! What holds for every room: docs/theory.md (4.2), (7.1), (7.3), (8.4).
 
 mod common;
 

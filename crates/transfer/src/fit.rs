@@ -1,4 +1,4 @@
-//! Weights that carry a linear change of light where they can.
+//! Weights that carry a linear change of light where they can: docs/theory.md (11.1), (11.2).
 //!
 //! A kernel average over patches is biased wherever patches lie unevenly about the receiver. Moving
 //! least squares corrects the kernel by a linear factor so that every function that is linear in

@@ -1,4 +1,4 @@
-//! The last gather: form factors from points to the patches that they see.
+//! The last gather: form factors from points to the patches that they see, docs/theory.md (11.3).
 //!
 //! Patches are coarse, and light changes within them and from one to the next, most of all in corners. What a
 //! point receives from far patches hardly feels that. So the last bounce is not interpolated between the
