@@ -12,6 +12,7 @@ mod camera;
 mod error;
 mod import;
 mod lights;
+mod one_place;
 mod patch_sampler;
 mod rays;
 mod sampling;

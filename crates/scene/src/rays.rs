@@ -7,6 +7,7 @@ use glam::Vec3;
 use radfile::{Mesh, Side};
 
 use crate::{
+    one_place::Place,
     triangle_test::ShearedRay,
     wide_bvh::{BoxRay, Corners, WideBvh},
 };
@@ -60,15 +61,15 @@ impl Rays {
     /// The first triangle that a ray from `origin` meets at a distance above 0 and below `limit`
     /// (in lengths of `direction`). The triangle `ignore` is passed through.
     ///
-    /// At an edge behind which the surface turns away, the ray meets the side it sees and the one it does
-    /// not see at one place; there the front is taken.
+    /// At an edge several triangles are met at one place, to rounding; the one that is taken is never hidden by
+    /// another of them, so that a wall without thickness is not passed where it stands on a floor.
     pub fn closest(&self, origin: Vec3, direction: Vec3, limit: f32, ignore: u32) -> Option<Hit> {
         if !is_ray(origin, direction) {
             return None;
         }
         let (boxes, sheared) = (BoxRay::new(origin, direction), ShearedRay::new(origin, direction));
         let same_place = self.extent * SAME_PLACE / direction.abs().max_element();
-        let mut best: Option<Hit> = None;
+        let mut place = Place::new();
         let mut reach = limit;
         self.bvh.traverse(&boxes, limit, |quad| {
             let Some(meetings) = sheared.meet(quad) else { return reach };
@@ -82,15 +83,12 @@ impl Rays {
                 }
                 let side = if meetings.front >> k & 1 == 1 { Side::Front } else { Side::Back };
                 let hit = Hit { triangle, side, t, u: meetings.u[k], v: meetings.v[k] };
-                if best.is_none_or(|b| comes_first(&hit, &b, same_place)) {
-                    best = Some(hit);
-                    // A front may still replace a back.
-                    reach = if side == Side::Front { t } else { (t + same_place).min(limit) };
-                }
+                place.enter(hit, || quad.corners_of(k), same_place);
+                reach = (place.nearest + same_place).min(limit);
             }
             reach
         });
-        best
+        place.first(origin)
     }
 
     /// Whether nothing but `ignore` lies strictly between two points.
@@ -138,13 +136,4 @@ impl Rays {
 /// Rays of no direction or from nowhere meet nothing.
 fn is_ray(origin: Vec3, direction: Vec3) -> bool {
     origin.is_finite() && direction.is_finite() && direction != Vec3::ZERO
-}
-
-/// Whether `hit` is nearer than `other`, or its front at the same place.
-fn comes_first(hit: &Hit, other: &Hit, same_place: f32) -> bool {
-    if hit.side != other.side && (hit.t - other.t).abs() <= same_place {
-        return hit.side == Side::Front;
-    }
-    // Exact ties go to the lower number, whatever the order of the search.
-    hit.t < other.t || (hit.t == other.t && hit.triangle < other.triangle)
 }

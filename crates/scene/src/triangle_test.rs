@@ -51,6 +51,11 @@ impl Quad {
             last: false,
         }
     }
+
+    /// Corners of the triangle in lane `k`.
+    pub fn corners_of(&self, k: usize) -> [Vec3; 3] {
+        self.corners.map(|corner| Vec3::from(corner.map(|axis| axis[k])))
+    }
 }
 
 impl ShearedRay {

@@ -197,3 +197,41 @@ fn without_triangles_everything_is_sky() {
     assert!(rays.escapes(Vec3::ZERO, Vec3::X, NO_TRIANGLE));
     assert_eq!(rays.closest(Vec3::ZERO, Vec3::X, f32::INFINITY, NO_TRIANGLE), None);
 }
+
+/// Two rooms on one floor, parted by a sheet without thickness that stands on the edge between their floors and
+/// ends at an edge of their ceilings. Rays aimed at those edges meet three triangles at one place; none may
+/// end in the other room.
+#[test]
+fn a_ray_to_the_foot_of_a_thin_wall_stays_in_its_room() {
+    for trial in 0..200 {
+        let vector = |k: u32| Vec3::from([0, 1, 2].map(|d| 2.0 * unit(hash(hash(trial, k), d)) - 1.0));
+        let turn = glam::Quat::from_axis_angle(vector(7).normalize(), trial as f32);
+        let shift = 3.0 * vector(8);
+        let place = |x: f32, y: f32, z: f32| (turn * Vec3::new(x, y, z) + shift).to_array();
+        let mut triangles = Vec::new();
+        let mut quad = |p: [[f32; 3]; 4]| triangles.extend([[p[0], p[1], p[2]], [p[0], p[2], p[3]]]);
+        for y in [0.0, 1.0] {
+            for x in [-1.0, 0.0] {
+                quad([place(x, y, 0.0), place(x, y, 1.0), place(x + 1.0, y, 1.0), place(x + 1.0, y, 0.0)]);
+            }
+        }
+        quad([place(0.0, 0.0, 0.0), place(0.0, 0.0, 1.0), place(0.0, 1.0, 1.0), place(0.0, 1.0, 0.0)]);
+        let rays = rays(&triangles);
+        // Quads 0 and 2 are floor and ceiling of the room at x < 0; 1 and 3 those of the other.
+        let across = |triangle: u32, x: f32| matches!((triangle / 2, x < 0.0), (1 | 3, true) | (0 | 2, false));
+        for k in 0..500u32 {
+            let number = |d: u32| unit(hash(hash(trial, d), k));
+            let x = (0.05 + 0.9 * number(0)) * if k % 2 == 0 { -1.0 } else { 1.0 };
+            let origin = Vec3::from(place(x, 0.05 + 0.9 * number(1), 0.1 + 0.8 * number(2)));
+            let edge = Vec3::from(place(0.0, (k / 2 % 2) as f32, 0.1 + 0.8 * number(3)));
+            let hit = rays.closest(origin, edge - origin, f32::INFINITY, NO_TRIANGLE);
+            if let Some(hit) = hit.filter(|h| (h.t - 1.0).abs() < 1e-4) {
+                assert!(
+                    !across(hit.triangle, x),
+                    "trial {trial}, ray {k} from x = {x} ends on triangle {}",
+                    hit.triangle
+                );
+            }
+        }
+    }
+}
