@@ -25,7 +25,7 @@ pub struct GatherParams {
 
 impl Default for GatherParams {
     fn default() -> GatherParams {
-        GatherParams { rays: 2048, seed: 1 }
+        GatherParams { rays: 8192, seed: 1 }
     }
 }
 

@@ -56,9 +56,9 @@ fn a_point_in_a_room_sees_that_room_and_nothing_else() {
         .chain([point(Vec3::new(1.0, 0.5, 0.5), -Vec3::X)])
         .collect();
     let (rows, sky) = gather(&mesh, &patches, &points, 512);
-    for p in 0..points.len() {
+    for (p, sky) in sky.iter().enumerate() {
         let sum: f64 = rows.row(p).map(|(_, f)| f64::from(f)).sum();
-        assert!((sum - 1.0).abs() < 1e-6 && sky[p] == 0.0, "point {p}: {sum}");
+        assert!((sum - 1.0).abs() < 1e-6 && *sky == 0.0, "point {p}: {sum}");
         assert!(rows.row(p).all(|(patch, _)| patch < patches.len() / 2), "point {p} sees the other room");
     }
 }

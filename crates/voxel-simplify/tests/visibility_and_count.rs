@@ -46,6 +46,29 @@ fn a_box_in_a_room_keeps_its_outside_and_its_inside() {
     assert!((report.dropped_area - 96.0).abs() < 1e-3, "{} m²", report.dropped_area);
 }
 
+/// A small square over a wide floor in free space. Hardly a ray of the floor's far patches meets the square, and yet
+/// together they see a good part of its light.
+#[test]
+fn who_sees_little_of_a_small_thing_is_kept() {
+    let mut build = Build::new();
+    let flat = |low: Vec3, size: f32| [low, low + v(size, 0.0, 0.0), low + v(size, size, 0.0), low + v(0.0, size, 0.0)];
+    build.quad(flat(v(-1.0, -1.0, 0.0), 2.0), 0);
+    build.quad(flat(v(-0.125, -0.125, 0.5), 0.25), 0);
+    let scene = build.scene();
+    let centre = v(0.0, 0.0, 0.5);
+    let received = |params: &Params| -> f32 {
+        let (patches, _) = voxel_simplify(&scene, params, &Quiet).expect("sound");
+        let floor = (0..patches.len()).filter(|&p| patches.position[p][2] < 0.25 && patches.normal[p][2] > 0.5);
+        let kernel = |p: usize| {
+            let way = Vec3::from(patches.position[p]) - centre;
+            patches.area[p] * way.z * way.z / way.length_squared().powi(2)
+        };
+        floor.map(kernel).sum()
+    };
+    let kept = received(&at_voxel(0.25)) / received(&Params { visibility_rays: 0, ..at_voxel(0.25) });
+    assert!(kept > 0.94, "the floor that is kept receives {kept} of the square's light");
+}
+
 #[test]
 fn no_visibility_rays_keep_every_patch() {
     let params = Params { visibility_rays: 0, ..at_voxel(0.5) };
