@@ -48,7 +48,7 @@ fn cornell_box_with_its_lamp_agrees_with_the_path_tracer() {
     let (direct, indirect) = scores(&ours, &theirs);
     println!("direct {direct:?}\nindirect {indirect:?}");
     assert!(direct.bias.abs() < 0.02 && direct.rms < 0.02, "{direct:?}");
-    assert!(indirect.bias.abs() < 0.01 && indirect.rms < 0.04, "{indirect:?}");
+    assert!(indirect.bias.abs() < 0.006 && indirect.rms < 0.025, "{indirect:?}");
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn cornell_box_with_a_bulb_agrees_with_the_path_tracer() {
     let (direct, indirect) = scores(&ours, &theirs);
     println!("direct {direct:?}\nindirect {indirect:?}");
     assert!(direct.bias.abs() < 0.02, "{direct:?}");
-    assert!(indirect.bias.abs() < 0.01 && indirect.rms < 0.04, "{indirect:?}");
+    assert!(indirect.bias.abs() < 0.006 && indirect.rms < 0.025, "{indirect:?}");
 }
 
 #[test]
@@ -79,9 +79,15 @@ fn a_sealed_room_beside_a_lit_one_stays_exactly_dark() {
     let (lit_direct, lit_indirect) = scores(&ours, &theirs);
     println!("{} points in the sealed room; direct {lit_direct:?}, indirect {lit_indirect:?}", sealed.len());
     assert!(lit_direct.bias.abs() < 0.02, "{lit_direct:?}");
-    assert!(lit_indirect.bias.abs() < 0.01 && lit_indirect.rms < 0.04, "{lit_indirect:?}");
+    assert!(lit_indirect.bias.abs() < 0.005 && lit_indirect.rms < 0.03, "{lit_indirect:?}");
     assert!(sealed.len() > 100, "{} points", sealed.len());
+    // Elsewhere it is dark under furniture: no light of the floor around it leaks there.
+    let truth = theirs.grey("indirect");
+    let mean = truth.iter().sum::<f64>() / truth.len() as f64;
     let (direct, indirect) = (ours.grey("direct"), ours.grey("indirect"));
+    for i in (0..truth.len()).filter(|&i| truth[i] < 1e-3 * mean) {
+        assert!(indirect[i] < 1e-3 * mean, "point {i} should be dark, it has {} of the mean", indirect[i] / mean);
+    }
     for i in sealed {
         assert_eq!((direct[i], indirect[i]), (0.0, 0.0), "point {i}");
     }
@@ -115,5 +121,5 @@ fn sponza_under_three_lamps_has_the_right_mean() {
     };
     let (direct, indirect) = scores(&ours, &theirs);
     println!("direct {direct:?}\nindirect {indirect:?}");
-    assert!(indirect.bias.abs() < 0.03 && indirect.rms < 0.12, "{indirect:?}");
+    assert!(indirect.bias.abs() < 0.02 && indirect.rms < 0.09, "{indirect:?}");
 }
