@@ -1,6 +1,6 @@
 //! How right a solution is, measured on the solution itself, in f64, against the form factors themselves.
 //!
-//! Furnace identity, docs/theory.md (7.3): emitters of exitance 1 − ρ everywhere, and a sky that sends in what the
+//! Furnace identity, docs/theory.md (7.2): emitters of exitance 1 − ρ everywhere, and a sky that sends in what the
 //! patches lose to it, s = 1 − F 1, light every patch with exactly 1, whatever the geometry:
 //! A^{1/2} s + K A^{1/2} (1 − ρ + ρ s) = A^{1/2}.
 
