@@ -1,9 +1,10 @@
 //! Packs an operator.
 
+use probes::probe_lights;
 use radfile::{BlockFormat, Operator, PackedOperator, Packing, Patches, Progress};
 use rayon::prelude::*;
 
-use crate::{Error, Params, Report, Result, blocks, measure, probe_lights, split::Split};
+use crate::{Error, Params, Report, Result, blocks, measure, split::Split};
 
 /// Packs `operator` and measures what that costs.
 ///

@@ -1,9 +1,8 @@
 //! What came out, in numbers for people.
 
+use probes::Errors;
 use radfile::{BlockFormat, PackedOperator, ValueMap};
 use serde::Serialize;
-
-use crate::Errors;
 
 /// Numbers about a packed operator.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,4 +1,4 @@
-//! Synthetic direct light to try a packed operator with.
+//! Synthetic direct light to try an operator with.
 //!
 //! Real lights are not known when a scene is baked, and shadow rays would need its geometry. What
 //! matters for the error of a product is that the light is as uneven as light in rooms is: strong

@@ -1,0 +1,75 @@
+//! Why an operator was not packed or read.
+
+/// Result of this crate.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Why an operator was not packed or read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// An option has a value that makes no sense.
+    #[error("option {option} is {found}, expected {expected}")]
+    Option {
+        /// Name of the option.
+        option: &'static str,
+        /// Its value.
+        found: String,
+        /// What it may be.
+        expected: &'static str,
+    },
+    /// There is nothing to pack.
+    #[error("the operator has no patches; nothing can be packed (is the scene empty?)")]
+    Empty,
+    /// The operator is no square matrix a channel.
+    #[error("the operator has {values} values, expected {channels} × {n} × {n} with 1 or 3 channels; solve it again")]
+    Shape {
+        /// Values there are.
+        values: usize,
+        /// Channels it says it has.
+        channels: usize,
+        /// Patches it says it has.
+        n: usize,
+    },
+    /// Operator and patches belong to different bakes.
+    #[error("the operator has {operator} patches, the patch list {patches}; take both from the same bake")]
+    PatchCount {
+        /// Patches of the operator.
+        operator: usize,
+        /// Patches in the list.
+        patches: usize,
+    },
+    /// An entry of the operator is negative or no number.
+    #[error("K[{receiver}, {sender}] of channel {channel} is {value}, expected a finite K ≥ 0; solve the series again")]
+    Value {
+        /// Colour channel.
+        channel: usize,
+        /// Row.
+        receiver: usize,
+        /// Column.
+        sender: usize,
+        /// The entry.
+        value: f32,
+    },
+    /// Packed bytes end too early.
+    #[error("the packed operator ends within {what} at byte {at}; it is cut off, pack it again")]
+    Short {
+        /// What was being read.
+        what: &'static str,
+        /// Where it ends.
+        at: usize,
+    },
+    /// Packed bytes break a rule.
+    #[error(
+        "the packed operator has {found} as {what} at byte {at}, expected {expected}; it is damaged, pack it again"
+    )]
+    Damaged {
+        /// What was being read.
+        what: &'static str,
+        /// Its value.
+        found: String,
+        /// What it may be.
+        expected: &'static str,
+        /// Where it stands.
+        at: usize,
+    },
+}

@@ -1,0 +1,111 @@
+//! Light through the exact operator, to hold packed ones against.
+
+use probes::{Errors, Row, probe_lights, sent_light, summarise};
+use radfile::{Operator, Patches, Progress};
+use rayon::prelude::*;
+
+use crate::{
+    HMatrix,
+    colour::{entry, luma},
+};
+
+/// Probe lights, and what comes of them.
+pub struct Trial<'a> {
+    patches: &'a Patches,
+    lights: Vec<Vec<f32>>,
+    /// √A ρ H⁰ of every channel, patches × lights.
+    sent: Vec<Vec<f64>>,
+    /// √A H of every channel, patches × lights.
+    exact: Vec<Vec<f64>>,
+    /// The same if every channel had the operator of luma.
+    exact_luma: Vec<Vec<f64>>,
+}
+
+/// Squares of errors relative to those of the light, mean over probes.
+pub struct Squares {
+    /// Of luma's part of the operator.
+    pub luma: f64,
+    /// Of colour's part.
+    pub colour: f64,
+}
+
+impl<'a> Trial<'a> {
+    pub fn new(operator: &Operator, patches: &'a Patches, count: u32, seed: u64, progress: &dyn Progress) -> Trial<'a> {
+        progress.begin("lighting probes", operator.n as u64);
+        let lights = probe_lights(patches, count, seed);
+        let sent: Vec<Vec<f64>> = (0..operator.channels).map(|c| sent_light(patches, &lights, c)).collect();
+        let rows: Vec<Vec<[Vec<f64>; 2]>> = (0..operator.n)
+            .into_par_iter()
+            .map(|i| {
+                progress.advance(1);
+                sent.iter().enumerate().map(|(c, sent)| received(operator, i, c, sent, lights.len())).collect()
+            })
+            .collect();
+        let collect = |kind: usize| -> Vec<Vec<f64>> {
+            (0..operator.channels).map(|c| rows.iter().flat_map(|row| row[c][kind].iter().copied()).collect()).collect()
+        };
+        Trial { patches, exact: collect(0), exact_luma: collect(1), lights, sent }
+    }
+
+    /// What comes out of `matrix`, patches × lights for every channel.
+    fn through(&self, matrix: &HMatrix) -> Vec<Vec<f64>> {
+        let (n, count) = (self.patches.len(), self.lights.len());
+        let mut out = vec![vec![0.0; n * count]; self.sent.len()];
+        let mut workspace = matrix.workspace();
+        let mut y = vec![[0.0; 3]; n];
+        for light in 0..count {
+            let sent = |i: usize, c: usize| self.sent[c.min(self.sent.len() - 1)][i * count + light] as f32;
+            let x: Vec<[f32; 3]> = (0..n).map(|i| std::array::from_fn(|c| sent(i, c))).collect();
+            matrix.multiply(&x, &mut y, &mut workspace);
+            for (c, out) in out.iter_mut().enumerate() {
+                y.iter().enumerate().for_each(|(i, y)| out[i * count + light] = f64::from(y[c]));
+            }
+        }
+        out
+    }
+
+    /// What the light of `matrix` is worth.
+    pub fn errors(&self, matrix: &HMatrix) -> Errors {
+        let count = self.lights.len();
+        let channels: Vec<Vec<Row>> = self
+            .exact
+            .iter()
+            .zip(self.through(matrix))
+            .map(|(exact, found)| {
+                let rows = exact.chunks(count).zip(found.chunks(count));
+                let error = |exact: &[f64], found: &[f64]| found.iter().zip(exact).map(|(f, e)| f - e).collect();
+                rows.map(|(e, f)| Row { light: e.to_vec(), error: error(e, f), matrix: [0.0; 2] }).collect()
+            })
+            .collect();
+        summarise(&channels, self.patches, &self.lights)
+    }
+
+    /// Errors by their source; `luma` is `matrix` without colour.
+    pub fn squares(&self, matrix: &HMatrix, luma: &HMatrix) -> Squares {
+        let (found, found_luma) = (self.through(matrix), self.through(luma));
+        let count = self.lights.len();
+        let mut sums = vec![[0.0; 3]; count];
+        for c in 0..self.exact.len() {
+            for at in 0..self.exact[c].len() {
+                let of_luma = found_luma[c][at] - self.exact_luma[c][at];
+                let of_colour = found[c][at] - self.exact[c][at] - of_luma;
+                let sum = &mut sums[at % count];
+                *sum = [sum[0] + of_luma.powi(2), sum[1] + of_colour.powi(2), sum[2] + self.exact[c][at].powi(2)];
+            }
+        }
+        let mean = |k: usize| sums.iter().filter(|s| s[2] > 0.0).map(|s| s[k] / s[2]).sum::<f64>() / count as f64;
+        Squares { luma: mean(0), colour: mean(1) }
+    }
+}
+
+/// One receiver in one channel: through the operator of the channel, and through that of luma.
+fn received(operator: &Operator, row: usize, channel: usize, sent: &[f64], lights: usize) -> [Vec<f64>; 2] {
+    let mut sums = [vec![0.0; lights], vec![0.0; lights]];
+    for (column, sent) in sent.chunks(lights).enumerate() {
+        let k = entry(operator, row, column);
+        for (sums, value) in sums.iter_mut().zip([k[channel], luma(k)]) {
+            sums.iter_mut().zip(sent).for_each(|(sum, sent)| *sum += f64::from(value) * sent);
+        }
+    }
+    sums
+}

@@ -1,0 +1,77 @@
+//! What packing does to light, on a room with coloured walls.
+
+#[path = "../../dxt-pack/tests/common/mod.rs"]
+mod common;
+
+use common::{Room, room};
+use hmatrix::{HMatrix, Params, Report, compress};
+use radfile::Quiet;
+
+fn packed(room: &Room, error: f64) -> (HMatrix, Report) {
+    compress(&room.operator, &room.patches, &Params::error(error), &Quiet).expect("a room")
+}
+
+/// Lights that did not steer agree with those that did: nothing was fitted to the lights.
+#[test]
+fn held_out_lights_have_the_error_that_was_asked_for_and_smaller_errors_cost_more() {
+    let room = room(10, 3);
+    let mut bytes = Vec::new();
+    for error in [0.03, 0.01, 0.003] {
+        let (matrix, report) = packed(&room, error);
+        assert!(report.l2_mean <= 1.2 * error && report.l2_mean > 0.5 * error, "{report:?}");
+        assert!(report.error_steered <= error && report.l2_max < 2.5 * error, "{report:?}");
+        assert!(report.energy_bias.abs() < 0.1 * error, "{report:?}");
+        assert_eq!((report.bytes, report.probes), (matrix.to_bytes().len(), 20));
+        let sizes = &report.sizes;
+        assert!(sizes.structure + sizes.low_rank + sizes.tiles + sizes.mean_or_split < report.bytes + 64);
+        bytes.push(report.bytes);
+    }
+    assert!(bytes.is_sorted() && bytes[2] > 2 * bytes[0], "{bytes:?}");
+    // 1 % of the bytes of three dense f32 channels would be 43 kB.
+    assert!(bytes[1] < 60_000, "{bytes:?}");
+}
+
+/// Identity 2 of docs/design.md §2: Σ_j X_ij (1 − ρ_j) = A_i, row by row.
+#[test]
+fn the_furnace_keeps_its_temperature() {
+    let room = room(10, 3);
+    let (matrix, _) = packed(&room, 0.01);
+    let n = room.patches.len();
+    let root: Vec<f32> = room.patches.area.iter().map(|a| a.sqrt()).collect();
+    let x: Vec<[f32; 3]> =
+        (0..n).map(|i| std::array::from_fn(|c| root[i] * (1.0 - room.patches.reflectance[i][c]))).collect();
+    let mut y = vec![[0.0; 3]; n];
+    matrix.multiply(&x, &mut y, &mut matrix.workspace());
+    let deviation = |i: usize| y[i].iter().map(|y| f64::from(y / root[i] - 1.0)).sum::<f64>() / 3.0;
+    let mean = (0..n).map(deviation).sum::<f64>() / n as f64;
+    let spread = (0..n).map(|i| deviation(i).abs()).sum::<f64>() / n as f64;
+    assert!(mean.abs() < 5e-4, "light that is gained or lost: {mean}");
+    assert!(spread < 5e-3, "mean deviation of a row: {spread}");
+}
+
+#[test]
+fn a_grey_room_has_no_colour() {
+    let (grey, report) = packed(&room(8, 1), 0.01);
+    assert_eq!((grey.channels(), report.sizes.colour), (1, 0));
+    let mut room = room(8, 3);
+    let red = room.operator.channel(0).to_vec();
+    room.operator.values = [&red[..], &red[..], &red[..]].concat().into();
+    let (_, report) = packed(&room, 0.01);
+    assert_eq!((report.channels, report.sizes.colour), (3, 0), "equal channels");
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes_on_any_number_of_threads() {
+    let room = room(8, 3);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let x: Vec<[f32; 3]> = (0..room.patches.len()).map(|i| [i as f32, 1.0, 1.0 / (i + 1) as f32]).collect();
+        let mut y = vec![[0.0; 3]; x.len()];
+        pool.install(|| {
+            let (matrix, report) = packed(&room, 0.01);
+            matrix.multiply(&x, &mut y, &mut matrix.workspace());
+            (matrix.to_bytes().to_vec(), report, y)
+        })
+    };
+    assert!(with(1) == with(4));
+}
