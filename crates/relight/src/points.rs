@@ -36,7 +36,12 @@ pub fn surface_points(mesh: &Mesh, position: &[[f64; 3]], normal: &[[f32; 3]]) -
 pub fn radiosity(patches: &Patches, frame: &Frame) -> Vec<[f32; 3]> {
     assert!(frame.direct.len() == patches.len() && frame.indirect.len() == patches.len(), "one value a patch");
     let arriving = frame.direct.iter().zip(&frame.indirect);
-    patches.reflectance.iter().zip(arriving).map(|(rho, (d, i))| std::array::from_fn(|c| rho[c] * (d[c] + i[c]))).collect()
+    patches
+        .reflectance
+        .iter()
+        .zip(arriving)
+        .map(|(rho, (d, i))| std::array::from_fn(|c| rho[c] * (d[c] + i[c])))
+        .collect()
 }
 
 /// Light at every point, by `rows` from the light of the patches.
