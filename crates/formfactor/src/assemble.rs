@@ -14,6 +14,9 @@ use crate::{
     report::{PairLimit, worst},
 };
 
+/// Lamps that hang elsewhere than the probes see up to so many times their error (measured: 0.86 to 1.47), so rays are
+/// spent until the probes' error, times this, is what was asked for.
+const MARGIN: f64 = 1.5;
 /// A row counts as met if its sum differs from what was measured by no more than this.
 const MET: f64 = 1e-6;
 /// Rays are sent no more often than this.
@@ -71,7 +74,7 @@ pub fn form_factors(
     let run = Run { surroundings, probes, seed: params.seed, progress };
     let measured = match params.budget {
         Budget::Rays(rays) => run.evenly(halves, rays),
-        Budget::Error { target, max_rays } => run.by_error(halves, target, max_rays)?,
+        Budget::Error { target, max_rays } => run.by_error(halves, target / MARGIN, max_rays)?,
     };
     let report = report(patches, params.budget, &measured);
     Ok((FormFactors { values: measured.factors.into(), sky: measured.closed.sky.into() }, report))
@@ -173,7 +176,7 @@ fn report(patches: &Patches, budget: Budget, measured: &Measured) -> Report {
         rounds: *rounds,
         irradiance_error: *irradiance_error,
         irradiance_target,
-        target_met: irradiance_target.is_none_or(|target| *irradiance_error <= target),
+        target_met: irradiance_target.is_none_or(|target| MARGIN * *irradiance_error <= target),
         row_error_mean: mean(row_errors),
         row_error_max: largest(row_errors),
         noisiest_rows: worst(row_errors, 0.0),

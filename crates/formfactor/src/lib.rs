@@ -48,7 +48,8 @@ pub enum Budget {
     Rays(u32),
     /// As many as it takes, where they are worth most.
     Error {
-        /// `Report::irradiance_error` that is wanted: 0.01 is 1 %.
+        /// Error of final light that is wanted, under any lamps: 0.01 is 1 %. The probes' own,
+        /// `Report::irradiance_error`, is brought to two thirds of it.
         target: f64,
         /// Rays that no patch passes, at least [`PILOT`].
         max_rays: u32,

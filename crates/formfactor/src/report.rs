@@ -22,7 +22,7 @@ pub struct Report {
     pub irradiance_error: f64,
     /// The error that was asked for, if one was.
     pub irradiance_target: Option<f64>,
-    /// Whether `irradiance_error` is no more than that.
+    /// Whether `irradiance_error`, with a margin of one half for lamps that hang elsewhere, is no more than that.
     pub target_met: bool,
     /// Standard error of a row as measured by its own rays, ‖F¹ − F²‖ / ‖F¹ + F²‖ with the rows of the
     /// two halves of its rays, before the rays of the other patches are joined to them: mean and largest.
