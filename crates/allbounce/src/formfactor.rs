@@ -13,11 +13,11 @@ use crate::{
 /// Reads mesh and patches. Adds form factors F (row = receiver) and the sky that each patch sees.
 #[derive(clap::Args)]
 pub struct Options {
-    /// Rays per patch; with --ff-error the most that a patch gets [default: 4096; 65536]
+    /// Rays per patch; with --ff-error the most that a patch gets, 256 or more [default: 4096; 65536]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=1 << 24))]
     rays: Option<u32>,
     /// Send rays where they are worth most until noise changes the indirect light by no more than this, such as 1%
-    /// (RMS over patches and probe lamps, relative to the light)
+    /// (RMS over patches and lamps, relative to the light)
     #[arg(long, value_name = "E", value_parser = numbers::relative_error)]
     ff_error: Option<f64>,
     /// Same seed, same file, byte for byte
@@ -58,9 +58,9 @@ impl Stage for Options {
         let mut lines = Vec::new();
         if let Some(target) = report.irradiance_target.filter(|_| !report.target_met) {
             lines.push(format!(
-                "noise of the form factors changes indirect light by {:.2} %, wanted were {:.2} %; allow more than {} rays \
+                "noise of the form factors changes indirect light by up to {:.2} %, wanted were {:.2} %; allow more than {} rays \
                  per patch (--rays)",
-                100.0 * report.irradiance_error,
+                100.0 * formfactor::MARGIN * report.irradiance_error,
                 100.0 * target,
                 report.rays_most
             ));

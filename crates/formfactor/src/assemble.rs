@@ -16,7 +16,7 @@ use crate::{
 
 /// Lamps that hang elsewhere than the probes see up to so many times their error (measured: 0.86 to 1.47), so rays are
 /// spent until the probes' error, times this, is what was asked for.
-const MARGIN: f64 = 1.5;
+pub const MARGIN: f64 = 1.5;
 /// A row counts as met if its sum differs from what was measured by no more than this.
 const MET: f64 = 1e-6;
 /// Rays are sent no more often than this.

@@ -27,7 +27,7 @@ mod report;
 mod stage;
 
 pub use allocation::PILOT;
-pub use assemble::{form_factors, memory_needed};
+pub use assemble::{MARGIN, form_factors, memory_needed};
 pub use error::{Error, Result};
 pub use report::{PairLimit, Report, RowError};
 pub use stage::run;
