@@ -53,7 +53,7 @@ pub enum Error {
         method: &'static str,
     },
     /// A tolerance that means nothing.
-    #[error("tolerance {found} for {method}: only cg has one, a number between 0 and 1")]
+    #[error("tolerance {found} for {method}: only cg has one, a number between 2.3e-16 and 1")]
     Tolerance {
         /// As the command line spells it.
         method: &'static str,

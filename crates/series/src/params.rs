@@ -85,7 +85,8 @@ impl Params {
             _ => {}
         }
         match self.tolerance {
-            Some(found) if self.method != Method::Cg || !(found > 0.0 && found < 1.0) => {
+            // What is below the rounding of f64 shrinks steps until they vanish.
+            Some(found) if self.method != Method::Cg || !(f64::EPSILON..1.0).contains(&found) => {
                 Err(Error::Tolerance { method, found })
             }
             _ => Ok(()),
