@@ -2,7 +2,8 @@
 //!
 //! [`PathTracer`] follows light through a scene by chance alone: no patches, no form factors, no
 //! operator. With the product it shares the scene file's triangles, the reflectance and emission of
-//! their texels, the lights file and the ray query, and nothing else; lights are sampled by code of its own.
+//! their texels, the lights file, the ray query and the Sobol sequence, and nothing else; lights are sampled by
+//! code of its own.
 //!
 //! - [`PathTracer::points`]: irradiance at points, direct, after one bounce and after all, with standard errors.
 //! - [`PathTracer::picture`]: what a camera sees.

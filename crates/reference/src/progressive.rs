@@ -12,6 +12,8 @@ use crate::statistics::Tally;
 pub const FLOOR: f64 = 0.05;
 /// Batches before a standard error is trusted.
 const FIRST: u32 = 32;
+/// Most batches at once: their estimates are held until they are added in order.
+const MOST: u32 = 64 * FIRST;
 
 /// When an estimate is good enough.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +57,7 @@ pub fn converge<const N: usize>(
 ) -> (Vec<Tally<N>>, usize) {
     let (mut done, last) = (0, batches(stop, size));
     let mut round = match stop {
-        Stop::Samples(_) => last,
+        Stop::Samples(_) => MOST.min(last),
         Stop::RelativeError { .. } => FIRST.min(last),
     };
     let mut tallies = vec![Tally::default(); targets];
@@ -77,8 +79,9 @@ pub fn converge<const N: usize>(
             tallies[target] = tally;
         }
         done += round;
-        round = (done / 2).clamp(1, FIRST * 64).min(last - done);
+        round = (done / 2).clamp(1, MOST).min(last - done);
         match stop {
+            Stop::Samples(_) if done < last => {}
             Stop::Samples(_) => active.clear(),
             Stop::RelativeError { error, .. } => {
                 let least: Vec<f64> = judged.iter().map(|&c| FLOOR * average(&tallies, c)).collect();
@@ -101,7 +104,7 @@ fn batches(stop: Stop, size: u32) -> u32 {
 
 /// Mean of a channel over everything.
 pub fn average<const N: usize>(tallies: &[Tally<N>], channel: usize) -> f64 {
-    tallies.iter().map(|t| t.mean(channel)).sum::<f64>() / tallies.len().max(1) as f64
+    tallies.iter().fold(0.0, |sum, t| sum + t.mean(channel)) / tallies.len().max(1) as f64
 }
 
 #[cfg(test)]

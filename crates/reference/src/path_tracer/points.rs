@@ -126,8 +126,9 @@ fn estimate(tally: &Tally<CHANNELS>, size: u32) -> PointEstimate {
 
 fn report(tallies: &[Tally<CHANNELS>], size: u32, short: usize, rays: u64) -> PointReport {
     let mean = |first: usize| std::array::from_fn(|c| average(tallies, first + c));
-    let error =
-        |first: usize| tallies.iter().map(|t| t.error(first + LUMINANCE)).sum::<f64>() / tallies.len().max(1) as f64;
+    let error = |first: usize| {
+        tallies.iter().fold(0.0, |sum, t| sum + t.error(first + LUMINANCE)) / tallies.len().max(1) as f64
+    };
     PointReport {
         points: tallies.len(),
         paths: tallies.iter().map(|t| u64::from(t.estimates()) * u64::from(size)).sum(),
