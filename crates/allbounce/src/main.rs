@@ -102,13 +102,14 @@ fn run(command: &Command, session: &Session) -> anyhow::Result<()> {
     }
 }
 
-/// The causes of an error in one line; a cause that its parent already quotes is not repeated.
+/// The causes of an error in one line; what another of them quotes is not repeated.
 fn chain(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain().map(ToString::to_string) {
-        if !text.contains(&cause) {
-            let separator = if text.is_empty() { "" } else { ": " };
-            text = format!("{text}{separator}{cause}");
+        if cause.starts_with(&text) {
+            text = cause;
+        } else if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
         }
     }
     text

@@ -61,12 +61,12 @@ pub struct Args {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Pixels in a row
-    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=16384))]
+    #[arg(long, requires = "camera", default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=16384))]
     width: u16,
     /// Rows
-    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=16384))]
+    #[arg(long, requires = "camera", default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=16384))]
     height: u16,
-    /// Paths for each point or pixel [default: 4096 a point, 64 a pixel]
+    /// Paths for each point or pixel, rounded up to whole batches of at most 64 [default: 4096 a point, 64 a pixel]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1 << 30))]
     samples: Option<u32>,
     /// Go on until the standard error of luminance is at most this part of it, or of 5 % of the mean of all points
@@ -74,7 +74,7 @@ pub struct Args {
     #[arg(long, value_name = "SHARE", value_parser = numbers::relative_error, conflicts_with = "samples")]
     rel_error: Option<f64>,
     /// Paths after which --rel-error gives a point or pixel up
-    #[arg(long, value_name = "N", default_value_t = 1 << 18, value_parser = clap::value_parser!(u32).range(2..=1 << 30))]
+    #[arg(long, value_name = "N", requires = "rel_error", default_value_t = 1 << 18, value_parser = clap::value_parser!(u32).range(2..=1 << 30))]
     max_samples: u32,
     /// Chooses the paths: same seed, same file; other seeds, independent errors
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -83,7 +83,7 @@ pub struct Args {
     #[arg(long)]
     one_sided: bool,
     /// Factor on radiance, (m² sr)/W, before a PNG is clipped to white [default: the 95th percentile becomes 0.8]
-    #[arg(long, value_name = "X", value_parser = numbers::positive)]
+    #[arg(long, value_name = "X", requires = "camera", value_parser = numbers::positive)]
     exposure: Option<f32>,
 }
 
@@ -104,6 +104,10 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     inputs.extend(args.points.iter().map(|p| ("the points", p.as_path())));
     inputs.extend(args.camera.iter().map(|c| ("the camera", c.as_path())));
     files::check_outputs(&session.outputs(&args.output), &inputs)?;
+    if args.camera.is_some() {
+        let name = args.output.to_str().unwrap_or("");
+        pictures::target(name).map_err(|what| anyhow!("{}: {what}", args.output.display()))?;
+    }
     let (folder, name) = DiskFolder::of(&args.scene)?;
     let named = || args.scene.display().to_string();
     let (scene, imported) =
@@ -149,8 +153,6 @@ fn trace_picture(
     tracer: &PathTracer,
     session: &Session,
 ) -> anyhow::Result<()> {
-    let name = args.output.to_str().unwrap_or("");
-    pictures::target(name).map_err(|what| anyhow!("{}: {what}", args.output.display()))?;
     let size = [args.width.into(), args.height.into()];
     let pixels = u64::from(args.width) * u64::from(args.height);
     session.ask_memory("the picture", pixels * BYTES_A_PIXEL, "make it smaller (--width, --height)")?;

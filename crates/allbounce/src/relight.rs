@@ -38,7 +38,7 @@ pub struct Args {
     #[arg(long, value_enum, requires = "points")]
     transfer: Option<Transfer>,
     /// Rays a point of the last gather
-    #[arg(long, value_name = "N", default_value_t = 8192, value_parser = clap::value_parser!(u32).range(16..=1 << 20))]
+    #[arg(long, value_name = "N", requires = "points", default_value_t = 8192, value_parser = clap::value_parser!(u32).range(16..=1 << 20))]
     gather_rays: u32,
     /// Exactly the first k bounces; the bake must keep its form factors (--keep-dense)
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=65536))]
