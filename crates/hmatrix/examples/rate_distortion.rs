@@ -81,24 +81,42 @@ fn bounces(factors: &FormFactors, patches: &Patches, x: &[[f32; 3]]) -> Vec<[f32
     for _ in 0..8 {
         let sent = |c: usize| light.iter().zip(&patches.reflectance).map(|(l, r)| l[c] * r[c]).collect::<Vec<f32>>();
         let sent = [sent(0), sent(1), sent(2)];
-        light = (0..x.len()).map(|i| arch.dispatch(|| dots(factors.row(i), &sent))).collect();
+        light = (0..x.len()).map(|i| arch.dispatch(Dots { row: factors.row(i), x: &sent })).collect();
     }
     light
 }
 
+/// A row of F times light.
+struct Dots<'a> {
+    row: &'a [f32],
+    x: &'a [Vec<f32>; 3],
+}
+
+impl pulp::WithSimd for Dots<'_> {
+    type Output = [f32; 3];
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> [f32; 3] {
+        dots(self.row, self.x)
+    }
+}
+
 #[inline(always)]
 fn dots(row: &[f32], x: &[Vec<f32>; 3]) -> [f32; 3] {
-    const LANES: usize = 16;
+    const LANES: usize = 32;
     let mut sums = [[0.0f32; LANES]; 3];
-    let whole = row.len() / LANES * LANES;
-    for j in (0..whole).step_by(LANES) {
-        for (sum, x) in sums.iter_mut().zip(x) {
-            for (lane, sum) in sum.iter_mut().enumerate() {
-                *sum += row[j + lane] * x[j + lane];
+    let (whole, rest) = row.as_chunks::<LANES>();
+    for (sum, x) in sums.iter_mut().zip(x) {
+        for (f, x) in whole.iter().zip(x.as_chunks::<LANES>().0) {
+            for lane in 0..LANES {
+                sum[lane] += f[lane] * x[lane];
             }
         }
     }
-    std::array::from_fn(|c| sums[c].iter().sum::<f32>() + (whole..row.len()).map(|j| row[j] * x[c][j]).sum::<f32>())
+    std::array::from_fn(|c| {
+        let x = &x[c][row.len() - rest.len()..];
+        sums[c].iter().sum::<f32>() + rest.iter().zip(x).map(|(f, x)| f * x).sum::<f32>()
+    })
 }
 
 /// What packing adds to the furnace's mean deviation: Σ_j X_ij (1 − ρ_j) = A_i in closed scenes.

@@ -11,7 +11,7 @@
 use std::collections::BTreeMap;
 
 use half::f16;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::{
@@ -270,22 +270,12 @@ impl HMatrix {
         ordered.iter_mut().zip(&self.order).for_each(|(to, &patch)| *to = x[patch as usize]);
         let (x, arch) = (&ordered[..], Arch::new());
         gathered.par_chunks_mut(PANELS).zip(self.panels.par_chunks(PANELS)).for_each(|(sums, panels)| {
-            arch.dispatch(
-                #[inline(always)]
-                || {
-                    for (sum, p) in sums.iter_mut().zip(panels) {
-                        *sum = gather(&self.codes[p.codes..][..p.len], &x[p.place..][..p.len]);
-                    }
-                },
-            )
+            arch.dispatch(Gathering { codes: &self.codes, panels, x, sums });
         });
         self.exchange(gathered, exchanged);
         let exchanged = &exchanged[..];
         out.par_chunks_mut(row_width(self.tree)).enumerate().for_each(|(leaf, out)| {
-            arch.dispatch(
-                #[inline(always)]
-                || self.leaf(leaf, x, exchanged, out),
-            )
+            arch.dispatch(Scattering { matrix: self, leaf, x, exchanged, out });
         });
         y.iter_mut().zip(&self.slot).for_each(|(y, &slot)| *y = out[slot as usize]);
     }
@@ -314,9 +304,8 @@ impl HMatrix {
             let mut sum = [[0.0; LANES]; 3];
             let above = self.clusters.iter().enumerate().map(|(level, all)| &all[leaf >> (depth - level)]);
             for c in above {
-                for (k, carried) in exchanged[c.first..][..c.count].iter().enumerate() {
-                    scatter(&mut sum, &self.codes[c.codes + k * c.len + place - c.place], carried);
-                }
+                let codes = &self.codes[c.codes + place - c.place..c.codes + c.count * c.len];
+                scatter(&mut sum, codes, c.len, &exchanged[c.first..][..c.count]);
             }
             *out = across(&sum);
         }
@@ -369,6 +358,44 @@ impl HMatrix {
             }
         }
         Ok(dense)
+    }
+}
+
+/// The first step for some panels. A structure, as closures are not inlined into the function that may have
+/// vector instructions.
+struct Gathering<'a> {
+    codes: &'a [[i8; LANES]],
+    panels: &'a [Panel],
+    x: &'a [[f32; 3]],
+    sums: &'a mut [Lanes],
+}
+
+impl WithSimd for Gathering<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (sum, p) in self.sums.iter_mut().zip(self.panels) {
+            *sum = gather(&self.codes[p.codes..][..p.len], &self.x[p.place..][..p.len]);
+        }
+    }
+}
+
+/// The last step for a leaf.
+struct Scattering<'a> {
+    matrix: &'a HMatrix,
+    leaf: usize,
+    x: &'a [[f32; 3]],
+    exchanged: &'a [Lanes],
+    out: &'a mut [[f32; 3]],
+}
+
+impl WithSimd for Scattering<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.matrix.leaf(self.leaf, self.x, self.exchanged, self.out);
     }
 }
 

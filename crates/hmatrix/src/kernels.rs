@@ -27,19 +27,24 @@ pub fn gather(codes: &[[i8; LANES]], x: &[[f32; 3]]) -> Lanes {
     sum
 }
 
-/// Adds codes of a patch times what their triples carry; lanes are summed at the end.
+/// Adds C t: codes of a patch, every `stride`th, times what their triples carry.
 #[inline(always)]
-pub fn scatter(sum: &mut Lanes, codes: &[i8; LANES], carried: &Lanes) {
-    let codes = codes.map(f32::from);
-    for (sum, carried) in sum.iter_mut().zip(carried) {
-        for lane in 0..LANES {
-            sum[lane] += codes[lane] * carried[lane];
+pub fn scatter(sum: &mut Lanes, codes: &[[i8; LANES]], stride: usize, carried: &[Lanes]) {
+    let mut local = *sum;
+    for (codes, carried) in codes.iter().step_by(stride).zip(carried) {
+        let codes = codes.map(f32::from);
+        for (sum, carried) in local.iter_mut().zip(carried) {
+            for lane in 0..LANES {
+                sum[lane] += codes[lane] * carried[lane];
+            }
         }
     }
+    *sum = local;
 }
 
-/// The sum across lanes, by halves.
-#[inline(always)]
+/// The sum across lanes, by halves. Apart, for the compiler else arranges the lanes of [`scatter`] for this sum, which
+/// takes twice as long.
+#[inline(never)]
 pub fn across(sum: &Lanes) -> [f32; 3] {
     sum.map(|lanes| {
         let eight: [f32; 8] = std::array::from_fn(|i| lanes[i] + lanes[i + 8]);
