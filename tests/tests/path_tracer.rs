@@ -231,6 +231,10 @@ fn the_program_takes_points_or_a_camera_and_known_pictures_only() {
     };
     assert_eq!(run(&out("a.csv"), &[]).code, Some(2), "nothing to evaluate");
     assert_eq!(run(&out("a.csv"), &["--points", "p.csv", "--camera", &camera]).code, Some(2), "both");
+    for idle in [["--width", "8"], ["--exposure", "2"], ["--max-samples", "99"]] {
+        let args = [&["--points", "p.csv"][..], &idle].concat();
+        assert_eq!(run(&out("a.csv"), &args).code, Some(2), "{idle:?} would do nothing");
+    }
     run(&out("a.jpg"), &["--camera", &camera]).refused(&["a.jpg", "unknown picture format", ".png or .exr"]);
     for name in ["a.png", "a.exr"] {
         run(&out(name), &["--camera", &camera, "--width", "24", "--height", "16", "--samples", "8"]).done();

@@ -61,10 +61,10 @@ pub struct Args {
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
     /// Pixels in a row
-    #[arg(long, requires = "camera", default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=16384))]
+    #[arg(long, conflicts_with = "points", default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=16384))]
     width: u16,
     /// Rows
-    #[arg(long, requires = "camera", default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=16384))]
+    #[arg(long, conflicts_with = "points", default_value_t = 512, value_parser = clap::value_parser!(u16).range(1..=16384))]
     height: u16,
     /// Paths for each point or pixel, rounded up to whole batches of at most 64 [default: 4096 a point, 64 a pixel]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1 << 30))]
@@ -74,7 +74,7 @@ pub struct Args {
     #[arg(long, value_name = "SHARE", value_parser = numbers::relative_error, conflicts_with = "samples")]
     rel_error: Option<f64>,
     /// Paths after which --rel-error gives a point or pixel up
-    #[arg(long, value_name = "N", requires = "rel_error", default_value_t = 1 << 18, value_parser = clap::value_parser!(u32).range(2..=1 << 30))]
+    #[arg(long, value_name = "N", requires = "rel_error", conflicts_with = "samples", default_value_t = 1 << 18, value_parser = clap::value_parser!(u32).range(2..=1 << 30))]
     max_samples: u32,
     /// Chooses the paths: same seed, same file; other seeds, independent errors
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -83,7 +83,7 @@ pub struct Args {
     #[arg(long)]
     one_sided: bool,
     /// Factor on radiance, (m² sr)/W, before a PNG is clipped to white [default: the 95th percentile becomes 0.8]
-    #[arg(long, value_name = "X", requires = "camera", value_parser = numbers::positive)]
+    #[arg(long, value_name = "X", conflicts_with = "points", value_parser = numbers::positive)]
     exposure: Option<f32>,
 }
 
