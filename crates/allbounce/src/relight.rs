@@ -37,9 +37,9 @@ pub struct Args {
     /// How light reaches the points [default: gather; interpolate where the bake's operator holds some bounces only]
     #[arg(long, value_enum, requires = "points")]
     transfer: Option<Transfer>,
-    /// Rays a point of the last gather
-    #[arg(long, value_name = "N", requires = "points", default_value_t = 8192, value_parser = clap::value_parser!(u32).range(16..=1 << 20))]
-    gather_rays: u32,
+    /// Rays a point of the last gather [default: 8192]
+    #[arg(long, value_name = "N", requires = "points", value_parser = clap::value_parser!(u32).range(16..=1 << 20))]
+    gather_rays: Option<u32>,
     /// Exactly the first k bounces; the bake must keep its form factors (--keep-dense)
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=65536))]
     bounces: Option<u32>,
@@ -124,9 +124,11 @@ fn transfer_of(args: &Args, bake: &Bake) -> anyhow::Result<Transfer> {
         (Some(Transfer::Gather), Some(k)) => bail!(
             "the operator holds the first {k} bounces and a last gather would add one; use --transfer interpolate"
         ),
-        (Some(transfer), _) => Ok(transfer),
-        (None, Some(_)) => Ok(Transfer::Interpolate),
-        (None, None) => Ok(Transfer::Gather),
+        (Some(Transfer::Gather), None) | (None, None) => Ok(Transfer::Gather),
+        _ if args.gather_rays.is_some() => {
+            bail!("--gather-rays was given, but the points are interpolated; leave it out or use --transfer gather")
+        }
+        _ => Ok(Transfer::Interpolate),
     }
 }
 
@@ -145,7 +147,8 @@ fn receivers(
         let (patches, progress) = (&bake.patches, session.progress());
         let rows = match transfer {
             Transfer::Gather => {
-                let params = GatherParams { rays: args.gather_rays, ..GatherParams::default() };
+                let default = GatherParams::default();
+                let params = GatherParams { rays: args.gather_rays.unwrap_or(default.rays), ..default };
                 let need = transfer::gather_memory_needed(surface.len(), patches.len(), &params);
                 session.ask_memory("the last gather", need, "take the points in parts, or --transfer interpolate")?;
                 transfer::gather_for_points(patches, rays, &surface, &params, &progress)
