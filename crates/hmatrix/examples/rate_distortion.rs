@@ -103,20 +103,26 @@ impl pulp::WithSimd for Dots<'_> {
 
 #[inline(always)]
 fn dots(row: &[f32], x: &[Vec<f32>; 3]) -> [f32; 3] {
+    [dot(row, &x[0]), dot(row, &x[1]), dot(row, &x[2])]
+}
+
+#[inline(always)]
+fn dot(row: &[f32], x: &[f32]) -> f32 {
     const LANES: usize = 32;
-    let mut sums = [[0.0f32; LANES]; 3];
-    let (whole, rest) = row.as_chunks::<LANES>();
-    for (sum, x) in sums.iter_mut().zip(x) {
-        for (f, x) in whole.iter().zip(x.as_chunks::<LANES>().0) {
-            for lane in 0..LANES {
-                sum[lane] += f[lane] * x[lane];
-            }
+    let mut sum = [0.0f32; LANES];
+    let ((row, row_rest), (x, x_rest)) = (row.as_chunks::<LANES>(), x.as_chunks::<LANES>());
+    for (f, x) in row.iter().zip(x) {
+        for lane in 0..LANES {
+            sum[lane] += f[lane] * x[lane];
         }
     }
-    std::array::from_fn(|c| {
-        let x = &x[c][row.len() - rest.len()..];
-        sums[c].iter().sum::<f32>() + rest.iter().zip(x).map(|(f, x)| f * x).sum::<f32>()
-    })
+    across(&sum) + row_rest.iter().zip(x_rest).map(|(f, x)| f * x).sum::<f32>()
+}
+
+/// Apart, for the compiler else arranges the lanes of [`dot`] for this sum, which is slow.
+#[inline(never)]
+fn across(lanes: &[f32]) -> f32 {
+    lanes.iter().sum()
 }
 
 /// What packing adds to the furnace's mean deviation: Σ_j X_ij (1 − ρ_j) = A_i in closed scenes.
