@@ -123,11 +123,12 @@ mod tests {
         view::View,
     };
 
-    const ALL: [(&str, &str); 9] = [
+    const ALL: [(&str, &str); 10] = [
         ("shadow_map", SHADOW_MAP),
         ("direct", DIRECT),
         ("patch_light", PATCH_LIGHT),
         ("senders", SENDERS),
+        ("radiosity", RADIOSITY),
         ("product sampled", PRODUCT_SAMPLED),
         ("product stored", PRODUCT_STORED),
         ("gather", GATHER),
@@ -177,7 +178,7 @@ mod tests {
             }
             files += 1;
         }
-        assert_eq!(files, 12);
+        assert_eq!(files, 13);
     }
 
     #[test]
