@@ -195,9 +195,13 @@ fn a_patch_has_the_mean_of_its_points() {
     let (rays, surfaces) = (Rays::new(&scene.mesh), Surfaces::new(&scene.mesh, &scene.materials).unwrap());
     let light = rig(r#"{"type":"point","position":[0,2,0],"intensity":[1,1,1]}"#);
     let light = DirectLight::new(&scene, &surfaces, &rays, &light);
-    let h = patch_irradiance(&light, &patches, &[0.0], &PatchSamples::default(), &Quiet);
-    // A side of a cube about the light fills 4π/6 sr; 32 Sobol points of a smooth function.
-    close(h[0][0].into(), 4.0 * PI / 6.0 / 16.0, 0.01);
+    // A side of a cube about the light fills 4π/6 sr; the patch is twice as wide as the light is high, and Sobol points
+    // of a smooth function miss its mean by less than 1/N.
+    for (points, tolerance) in [(32, 0.03), (512, 0.002)] {
+        let samples = PatchSamples { points, ..PatchSamples::default() };
+        let h = patch_irradiance(&light, &patches, &[0.0], &samples, &Quiet);
+        close(h[0][0].into(), 4.0 * PI / 6.0 / 16.0, tolerance);
+    }
 }
 
 /// Two rooms with a wall of 1 mm, all kinds of light in one: the other has none at all.
