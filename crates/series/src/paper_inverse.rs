@@ -1,5 +1,6 @@
 //! All bounces by the inverse of I − F ρ, as A. Shcherbakov and V. Frolov write it (Light & Engineering 27(2), 2019):
-//! F as given, neither made reciprocal nor symmetric, and LU with partial pivoting, (I − F ρ) G = F. Then
+//! F as given, row = receiver, neither made reciprocal nor symmetric, ρ at the sender, (F ρ)_ij = F_ij ρ_j, and LU with
+//! partial pivoting, (I − F ρ) G = F. Then
 //! K = A^{1/2} G A^{-1/2}.
 //!
 //! Nothing here notices that light grows from bounce to bounce: past a spectral radius of 1 the inverse still

@@ -59,9 +59,7 @@ pub fn doubling<S: Scalar, T: Scalar>(
         }
         if odd {
             left.fill(|i, j| root_rho[i] * one.w(i, j));
-            other.fill_scaled(&sum, root_rho);
-            sum.fill(|i, j| one.w(i, j));
-            sum.accumulate_product(Accum::Add, &left, &other, tick);
+            one_more(one, root_rho, &mut sum, &left, &mut other, tick);
             if more {
                 other.fill_scaled(&power, root_rho);
                 power.accumulate_product(Accum::Replace, &left, &other, tick);
@@ -85,10 +83,22 @@ pub fn neumann<S: Scalar, T: Scalar>(
     sum.fill(|i, j| one.w(i, j));
     left.fill(|i, j| root_rho[i] * one.w(i, j));
     for _ in 1..bounces {
-        other.fill_scaled(&sum, root_rho);
-        sum.fill(|i, j| one.w(i, j));
-        sum.accumulate_product(Accum::Add, &left, &other, tick);
+        one_more(one, root_rho, &mut sum, &left, &mut other, tick);
     }
     let peak_bytes = bytes(&sum.values) + bytes(&left.values) + bytes(&other.values);
     Solved { k: Box::new(sum), iterations: Some(u64::from(bounces - 1)), peak_bytes }
+}
+
+/// `sum` ← W + W ρ `sum`, where `left` is R W; `other` is scratch.
+fn one_more<S: Scalar, T: Scalar>(
+    one: &OneBounce<S>,
+    root_rho: &[f64],
+    sum: &mut Lower<T>,
+    left: &Panels<T>,
+    other: &mut Panels<T>,
+    tick: &(dyn Fn(u64) + Sync),
+) {
+    other.fill_scaled(sum, root_rho);
+    sum.fill(|i, j| one.w(i, j));
+    sum.accumulate_product(Accum::Add, left, other, tick);
 }
