@@ -200,7 +200,8 @@ impl Emitter {
     }
 }
 
-/// Weights of the second and third corner, uniform over a triangle.
+/// Weights of the second and third corner, uniform over a triangle. Not `scene`'s, which places the rays of form
+/// factors: what is judged by this path tracer must not err with it.
 fn square_to_triangle(x: f32, y: f32) -> (f32, f32) {
     let s = x.sqrt();
     (1.0 - s, y * s)
