@@ -7,7 +7,7 @@
 //!
 //! Start at [`Container`] to read, at [`Builder`] to write, and at the records
 //! ([`Mesh`], [`Materials`], [`Patches`], [`FormFactors`], [`Operator`],
-//! [`Permutation`], [`PackedOperator`], [`Transfer`]) for what the sections mean.
+//! [`Permutation`], [`PackedOperator`], [`HierarchicalOperator`], [`Transfer`]) for what the sections mean.
 //! The byte layout is specified in `formats/rad.md`.
 //!
 //! # Example
@@ -44,6 +44,7 @@ mod element;
 mod error;
 mod foreign;
 mod form_factors;
+mod hierarchical;
 mod layout;
 mod locator;
 mod materials;
@@ -65,6 +66,7 @@ pub use diff::{Report, SectionDiff, Tolerance, Verdict, diff};
 pub use element::{Element, ElementType};
 pub use error::{Error, Result};
 pub use form_factors::{FormFactors, read_sky};
+pub use hierarchical::{Certificate, HierarchicalOperator, Kernel};
 pub use layout::{FLAG_PATCH_ORDER, FLAG_REQUIRED, IDENTIFIER, VERSION};
 pub use locator::{CUT, CellKey, Cut, DEEPEST_CUT, PatchLocator};
 pub use materials::{Material, Materials, Texture, Wrap};

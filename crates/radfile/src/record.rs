@@ -39,6 +39,8 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("pack.outlier_start", "dxt-pack"),
     ("pack.outlier_column", "dxt-pack"),
     ("pack.outlier_value", "dxt-pack"),
+    ("hmatrix.meta", "hmatrix"),
+    ("hmatrix.blocks", "hmatrix"),
     ("transfer.position", "transfer"),
     ("transfer.normal", "transfer"),
     ("transfer.row_start", "transfer"),
@@ -50,12 +52,12 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("transfer.fine_receiver", "transfer"),
 ];
 
-/// Sections that version 1.1 brought; all others are those of 1.0.
-const SINCE_1_1: &[&str] = &["patches.cut_plane", "patches.cut_child"];
+/// Sections that later minor versions brought, from 1.1 on; all others are those of 1.0.
+const SINCE: [&[&str]; 2] = [&["patches.cut_plane", "patches.cut_child"], &["hmatrix.meta", "hmatrix.blocks"]];
 
 /// The minor version that brought a section; 0 for those that no version knows.
 pub fn minor_of(section: &str) -> u16 {
-    u16::from(SINCE_1_1.contains(&section))
+    SINCE.iter().position(|brought| brought.contains(&section)).map_or(0, |at| at as u16 + 1)
 }
 
 /// The stage that writes a section, if this version knows it.

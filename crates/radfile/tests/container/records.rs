@@ -3,13 +3,13 @@
 use std::borrow::Cow;
 
 use radfile::{
-    FormFactors, Materials, Mesh, Operator, PackedOperator, Patches, Permutation, Provenance, Record, Transfer,
-    read_sky,
+    Certificate, FormFactors, HierarchicalOperator, Materials, Mesh, Operator, PackedOperator, Patches, Permutation,
+    Provenance, Record, Transfer, read_sky,
 };
 
 use crate::{
     assert_says,
-    fixture::{Extras, cube, cube_with_cuts, every_feature, minimal, open, step},
+    fixture::{Extras, cube, cube_with_cuts, every_feature, hierarchical, minimal, open, step},
 };
 
 #[test]
@@ -27,6 +27,36 @@ fn every_record_comes_back_as_it_was_written() {
     assert_eq!(PackedOperator::read(&c).expect("legal"), cube.packed);
     assert_eq!(Transfer::read(&c).expect("legal"), cube.transfer);
     assert_eq!(Provenance::read(&c).expect("legal").steps, [step("voxel-simplify")]);
+}
+
+#[test]
+fn a_hierarchical_operator_comes_back_and_makes_version_1_2() {
+    let (cube, hierarchical) = (cube(), hierarchical());
+    let mut builder = cube.builder();
+    hierarchical.write(&mut builder);
+    let c = open(&builder);
+    assert_eq!(c.version(), (1, 2));
+    let read = HierarchicalOperator::read(&c).expect("legal");
+    assert_eq!(read, hierarchical);
+    assert!(matches!(read.blocks, Cow::Borrowed(_)));
+}
+
+#[test]
+fn an_illegal_certificate_of_a_hierarchical_operator_is_refused() {
+    type Break = fn(&mut Certificate);
+    let breaks: [(Break, &str); 4] = [
+        (|k| k.n = 5, "made for 5 patches, the file holds 6"),
+        (|k| k.channels = 2, "illegal certificate"),
+        (|k| k.l2_mean = f64::NAN, "illegal certificate"),
+        (|k| k.vis99 = -0.1, "illegal certificate"),
+    ];
+    for (break_it, sentence) in breaks {
+        let (cube, mut broken) = (cube(), hierarchical());
+        break_it(&mut broken.certificate);
+        let mut builder = cube.builder();
+        broken.write(&mut builder);
+        assert_says(HierarchicalOperator::read(&open(&builder)), &[sentence]);
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::{collections::HashMap, path::Path};
 
 use radfile::{Container, ElementType, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, SECTIONS};
 
-use crate::fixture::{cube, cube_with_cuts, minimal, open};
+use crate::fixture::{cube, cube_with_cuts, hierarchical, minimal, open};
 
 fn specification() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../formats/rad.md");
@@ -49,7 +49,10 @@ fn fits(extent: &str, found: u64, symbols: &mut HashMap<String, u64>) -> bool {
 
 #[test]
 fn every_section_has_the_element_shape_and_flags_that_the_specification_lists() {
-    let container = open(&cube_with_cuts().builder());
+    let (cube, hierarchical) = (cube_with_cuts(), hierarchical());
+    let mut builder = cube.builder();
+    hierarchical.write(&mut builder);
+    let container = open(&builder);
     let mut symbols = HashMap::new();
     let text = specification();
     let listed = section_rows(&text);
@@ -197,8 +200,10 @@ fn float64(bytes: &[u8]) -> u64 {
 #[test]
 fn a_reader_made_from_the_specification_alone_reads_all_metadata() {
     let reader = Reader::new(&specification());
-    let cube = cube();
-    let container = open(&cube.builder());
+    let (cube, hierarchical) = (cube(), hierarchical());
+    let mut builder = cube.builder();
+    hierarchical.write(&mut builder);
+    let container = open(&builder);
     let metas = container.sections().iter().filter(|s| s.element == ElementType::Meta);
     let read: Vec<(&str, String)> = metas.map(|s| (s.name.as_str(), reader.section(&container, &s.name))).collect();
     assert_eq!(read.len(), reader.sections.len(), "every section that is specified was read");
