@@ -1,6 +1,6 @@
 //! Packs an operator: the cheapest blocks whose light is as good as was asked for.
 
-use radfile::{Operator, Patches, Progress};
+use radfile::{Kernel, Operator, Patches, Progress};
 use rayon::prelude::*;
 
 use crate::{
@@ -28,7 +28,7 @@ const CLOSE: f64 = 0.96;
 ///
 /// # Errors
 ///
-/// [`Error::Option`], [`Error::Empty`], [`Error::Shape`], [`Error::PatchCount`], [`Error::Value`].
+/// [`Error::Option`], [`Error::Empty`], [`Error::Shape`], [`Error::Coloured`], [`Error::PatchCount`], [`Error::Value`].
 pub fn compress(
     operator: &Operator,
     patches: &Patches,
@@ -37,6 +37,9 @@ pub fn compress(
 ) -> Result<(HMatrix, Report)> {
     params.check()?;
     check(operator, patches)?;
+    if params.kernel == Kernel::OneBounce && operator.channels != 1 {
+        return Err(Error::Coloured);
+    }
     let tree = Tree::new(operator.n, params.leaf);
     let order = order(patches, tree);
     let weights = weights(patches, &order);
@@ -45,16 +48,17 @@ pub fn compress(
         Stored { colour, plan: Plan::new(matrix, tree, number == 0, params.seed, progress) }
     });
     let candidates = Candidates { planes: planes.collect(), order, weights, tree, channels: operator.channels };
-    let trial = Trial::new(operator, patches, params.probes, params.seed, progress);
+    let trial = Trial::new(operator, patches, params, params.seed, progress);
     progress.begin("choosing blocks", ROUNDS as u64);
     let (best, rounds) = candidates.search(&trial, params.error, progress);
-    let held_out = Trial::new(operator, patches, params.probes, params.seed.wrapping_add(1), progress);
+    let held_out = Trial::new(operator, patches, params, params.seed.wrapping_add(1), progress);
     let errors = held_out.errors(&best.matrix);
     let entries = (operator.n as f64).powi(2);
     let bytes = best.matrix.to_bytes().len();
     let report = Report {
         patches: operator.n,
         channels: operator.channels,
+        kernel: params.kernel,
         error_wanted: params.error,
         error_steered: best.error,
         probes: errors.probes,
@@ -67,6 +71,7 @@ pub fn compress(
         bytes_per_entry: bytes as f64 / entries,
         smaller_than_form_factors: 4.0 * entries / bytes as f64,
         sizes: best.sizes,
+        products: held_out.products(),
         multiplications: best.matrix.multiplications() as f64 / entries,
         rounds,
     };

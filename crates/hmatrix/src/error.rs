@@ -30,6 +30,9 @@ pub enum Error {
         /// Patches it says it has.
         n: usize,
     },
+    /// One bounce has no colour.
+    #[error("the operator of one bounce has 3 channels, expected 1; take it from the form factors")]
+    Coloured,
     /// Operator and patches belong to different bakes.
     #[error("the operator has {operator} patches, the patch list {patches}; take both from the same bake")]
     PatchCount {
@@ -50,6 +53,17 @@ pub enum Error {
         /// The entry.
         value: f32,
     },
+    /// The packed operator and what is said of it disagree.
+    #[error("the stream is of {found}, its certificate of {expected}; pack the operator again")]
+    Certificate {
+        /// Patches and channels of the stream.
+        found: String,
+        /// Those of the certificate.
+        expected: String,
+    },
+    /// A section is missing or broken, or a container was not written.
+    #[error(transparent)]
+    Container(#[from] radfile::Error),
     /// Packed bytes end too early.
     #[error("the packed operator ends within {what} at byte {at}; it is cut off, pack it again")]
     Short {

@@ -15,12 +15,14 @@
 //! - `tile.rs`, `triple.rs`: the two codes; `block.rs`: their bytes, for any rectangle, symmetric or not.
 //! - `stretch.rs`: the norm of errors. `plan.rs`: what every block could be, and what it is at a price. `colour.rs`: luma and planes of colour.
 //! - `stream.rs`: the packed bytes. `hmatrix.rs`, `kernels.rs`: the form that is multiplied with.
+//! - `bounces.rs`: all bounces from the operator of one. `stage.rs`: from container to container.
 //! - `compress.rs`: all of it until the error is what was asked for; `trial.rs`: the light that decides.
 //!
 //! Start at [`compress`] and [`HMatrix::multiply`].
 
 mod bits;
 mod block;
+mod bounces;
 mod cluster;
 mod colour;
 mod compress;
@@ -32,14 +34,19 @@ mod plan;
 mod report;
 mod sketch;
 mod small;
+mod stage;
 mod stream;
 mod stretch;
 mod tile;
 mod trial;
 mod triple;
 
+pub use bounces::Solve;
 pub use compress::{compress, memory_needed};
 pub use error::{Error, Result};
-pub use hmatrix::{HMatrix, Workspace};
+pub use hmatrix::{Cluster, HMatrix, Layout, Leaf, Near, Panel, Workspace};
+pub use kernels::{LANES, Lanes, ROWS};
 pub use params::Params;
 pub use report::Report;
+pub use stage::{one_bounce, read, run};
+pub use trial::SOLVE_SHARE;

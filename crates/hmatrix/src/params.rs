@@ -1,10 +1,15 @@
 //! What can be chosen.
 
+use radfile::Kernel;
+
 use crate::{Error, Result};
 
 /// How to pack.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Params {
+    /// What the matrix is; it says how light comes from it. K of all bounces has the channels of the scene, W of one
+    /// bounce has one.
+    pub kernel: Kernel,
     /// Error of indirect irradiance that is wanted, colour included: the L2 norm over the area relative to that of
     /// the irradiance, mean over probe lights. 0.01 is 1 %; 0.0005 ..= 0.5.
     pub error: f64,
@@ -14,6 +19,8 @@ pub struct Params {
     pub probes: u32,
     /// Seed of lights and sketches.
     pub seed: u64,
+    /// Whether form factors and dense operator stay in the container.
+    pub keep_dense: bool,
 }
 
 impl Params {
@@ -39,6 +46,6 @@ impl Params {
 
 impl Default for Params {
     fn default() -> Params {
-        Params { error: 0.01, leaf: 24, probes: 20, seed: 1 }
+        Params { kernel: Kernel::AllBounces, error: 0.01, leaf: 24, probes: 20, seed: 1, keep_dense: false }
     }
 }

@@ -1,6 +1,7 @@
 //! What came out, in numbers for people.
 
 use half::f16;
+use radfile::Kernel;
 use serde::Serialize;
 
 use crate::block::Block;
@@ -56,6 +57,8 @@ pub struct Report {
     pub patches: usize,
     /// Channels of the operator.
     pub channels: usize,
+    /// What the matrix is.
+    pub kernel: Kernel,
     /// Error that was wanted.
     pub error_wanted: f64,
     /// The same error under the probe lights that steered.
@@ -81,6 +84,8 @@ pub struct Report {
     pub smaller_than_form_factors: f64,
     /// What the bytes are spent on.
     pub sizes: Sizes,
+    /// Products of a frame: 1, or what solving for all bounces took at most.
+    pub products: usize,
     /// Multiplications of a product relative to those of a dense matrix.
     pub multiplications: f64,
     /// How often the price of a byte was corrected.

@@ -1,16 +1,28 @@
 //! Light through the exact operator, to hold packed ones against.
 
+use std::cell::Cell;
+
 use probes::{Errors, Row, probe_lights, sent_light, summarise};
-use radfile::{Operator, Patches, Progress};
+use radfile::{Kernel, Operator, Patches, Progress};
 use rayon::prelude::*;
 
 use crate::{
-    HMatrix,
+    HMatrix, Params, Solve,
     colour::{entry, luma},
 };
 
+/// What a solve of the exact operator leaves: far below any error that can be asked for.
+const EXACT: f64 = 1e-5;
+/// What a solve of the packed operator leaves, as a share of the error that was asked for.
+pub const SOLVE_SHARE: f64 = 0.05;
+
 /// Probe lights, and what comes of them.
 pub struct Trial<'a> {
+    kernel: Kernel,
+    /// What solves leave.
+    tolerance: f64,
+    /// Products that the longest solve took.
+    products: Cell<usize>,
     patches: &'a Patches,
     lights: Vec<Vec<f32>>,
     /// √A ρ H⁰ of every channel, patches × lights.
@@ -30,38 +42,98 @@ pub struct Squares {
 }
 
 impl<'a> Trial<'a> {
-    pub fn new(operator: &Operator, patches: &'a Patches, count: u32, seed: u64, progress: &dyn Progress) -> Trial<'a> {
+    pub fn new(
+        operator: &Operator,
+        patches: &'a Patches,
+        params: &Params,
+        seed: u64,
+        progress: &dyn Progress,
+    ) -> Trial<'a> {
+        let lights = probe_lights(patches, params.probes, seed);
+        let channels = if params.kernel == Kernel::OneBounce { 3 } else { operator.channels };
+        let sent: Vec<Vec<f64>> = (0..channels).map(|c| sent_light(patches, &lights, c)).collect();
+        let mut trial = Trial {
+            kernel: params.kernel,
+            tolerance: SOLVE_SHARE * params.error,
+            products: Cell::new(1),
+            patches,
+            lights,
+            sent,
+            exact: Vec::new(),
+            exact_luma: Vec::new(),
+        };
+        match params.kernel {
+            Kernel::AllBounces => trial.multiply_exactly(operator, progress),
+            Kernel::OneBounce => trial.solve_exactly(operator, progress),
+        }
+        trial
+    }
+
+    fn multiply_exactly(&mut self, operator: &Operator, progress: &dyn Progress) {
         progress.begin("lighting probes", operator.n as u64);
-        let lights = probe_lights(patches, count, seed);
-        let sent: Vec<Vec<f64>> = (0..operator.channels).map(|c| sent_light(patches, &lights, c)).collect();
+        let (sent, lights) = (&self.sent, self.lights.len());
         let rows: Vec<Vec<[Vec<f64>; 2]>> = (0..operator.n)
             .into_par_iter()
             .map(|i| {
                 progress.advance(1);
-                sent.iter().enumerate().map(|(c, sent)| received(operator, i, c, sent, lights.len())).collect()
+                sent.iter().enumerate().map(|(c, sent)| received(operator, i, c, sent, lights)).collect()
             })
             .collect();
         let collect = |kind: usize| -> Vec<Vec<f64>> {
             (0..operator.channels).map(|c| rows.iter().flat_map(|row| row[c][kind].iter().copied()).collect()).collect()
         };
-        Trial { patches, exact: collect(0), exact_luma: collect(1), lights, sent }
+        (self.exact, self.exact_luma) = (collect(0), collect(1));
     }
 
-    /// What comes out of `matrix`, patches × lights for every channel.
-    fn through(&self, matrix: &HMatrix) -> Vec<Vec<f64>> {
+    fn solve_exactly(&mut self, operator: &Operator, progress: &dyn Progress) {
+        progress.begin("lighting probes", self.lights.len() as u64);
+        let dense = |x: &[[f32; 3]], y: &mut [[f32; 3]]| {
+            let row = |i: usize| &operator.channel(0)[i * operator.n..][..operator.n];
+            y.par_iter_mut().enumerate().for_each(|(i, y)| *y = product(row(i), x));
+        };
+        let mut solve = Solve::new(operator.n);
+        self.exact = self.lit(|x, y| {
+            solve.all_bounces(dense, &self.patches.reflectance, EXACT, x, y);
+            progress.advance(1);
+        });
+        self.exact_luma = self.exact.clone();
+    }
+
+    /// What comes out of an operator, patches × lights for every channel.
+    fn lit(&self, mut operator: impl FnMut(&[[f32; 3]], &mut [[f32; 3]])) -> Vec<Vec<f64>> {
         let (n, count) = (self.patches.len(), self.lights.len());
         let mut out = vec![vec![0.0; n * count]; self.sent.len()];
-        let mut workspace = matrix.workspace();
         let mut y = vec![[0.0; 3]; n];
         for light in 0..count {
             let sent = |i: usize, c: usize| self.sent[c.min(self.sent.len() - 1)][i * count + light] as f32;
             let x: Vec<[f32; 3]> = (0..n).map(|i| std::array::from_fn(|c| sent(i, c))).collect();
-            matrix.multiply(&x, &mut y, &mut workspace);
+            operator(&x, &mut y);
             for (c, out) in out.iter_mut().enumerate() {
                 y.iter().enumerate().for_each(|(i, y)| out[i * count + light] = f64::from(y[c]));
             }
         }
         out
+    }
+
+    /// What comes out of `matrix`.
+    fn through(&self, matrix: &HMatrix) -> Vec<Vec<f64>> {
+        let mut workspace = matrix.workspace();
+        match self.kernel {
+            Kernel::AllBounces => self.lit(|x, y| matrix.multiply(x, y, &mut workspace)),
+            Kernel::OneBounce => {
+                let mut solve = Solve::new(self.patches.len());
+                self.lit(|x, y| {
+                    let one_bounce = |x: &[[f32; 3]], y: &mut [[f32; 3]]| matrix.multiply(x, y, &mut workspace);
+                    let products = solve.all_bounces(one_bounce, &self.patches.reflectance, self.tolerance, x, y);
+                    self.products.set(self.products.get().max(products));
+                })
+            }
+        }
+    }
+
+    /// Products of a frame, the longest that was tried.
+    pub fn products(&self) -> usize {
+        self.products.get()
     }
 
     /// What the light of `matrix` is worth.
@@ -96,6 +168,15 @@ impl<'a> Trial<'a> {
         let mean = |k: usize| sums.iter().filter(|s| s[2] > 0.0).map(|s| s[k] / s[2]).sum::<f64>() / count as f64;
         Squares { luma: mean(0), colour: mean(1) }
     }
+}
+
+/// A row times light, in double precision.
+fn product(row: &[f32], x: &[[f32; 3]]) -> [f32; 3] {
+    let mut sum = [0.0f64; 3];
+    for (k, x) in row.iter().zip(x) {
+        (0..3).for_each(|c| sum[c] += f64::from(*k) * f64::from(x[c]));
+    }
+    sum.map(|s| s as f32)
 }
 
 /// One receiver in one channel: through the operator of the channel, and through that of luma.
