@@ -8,7 +8,7 @@
 //!
 //! Every number is summed by one task in a fixed order: more threads change who computes it, never how.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, ops::Range};
 
 use half::f16;
 use pulp::{Arch, Simd, WithSimd};
@@ -58,31 +58,69 @@ pub struct HMatrix {
 
 /// Codes of [`LANES`] triples at some patches.
 #[derive(Clone, Copy)]
-struct Panel {
-    codes: usize,
-    place: usize,
-    len: usize,
+pub struct Panel {
+    /// Where its codes start.
+    pub codes: usize,
+    /// First place.
+    pub place: usize,
+    /// Number of places.
+    pub len: usize,
 }
 
 /// Panels of a cluster.
 #[derive(Clone, Copy, Default)]
-struct Cluster {
-    first: usize,
-    count: usize,
-    codes: usize,
-    place: usize,
-    len: usize,
+pub struct Cluster {
+    /// First panel.
+    pub first: usize,
+    /// Number of panels.
+    pub count: usize,
+    /// Where the codes of the first panel start; each panel has `len`.
+    pub codes: usize,
+    /// First place.
+    pub place: usize,
+    /// Number of places.
+    pub len: usize,
 }
 
-/// Tiles whose rows are a leaf, mirror images included.
+/// Tiles whose rows are a leaf, mirror images included. An entry is the square of its code times its column's scale.
 #[derive(Default)]
-struct Near {
+pub struct Near {
     /// Place and scale of each column.
-    senders: Vec<(u32, f32)>,
+    pub senders: Vec<(u32, f32)>,
     /// [`ROWS`] rows of every column, then the next rows.
-    codes: Vec<[u8; ROWS]>,
+    pub codes: Vec<[u8; ROWS]>,
     /// Row, place of the sender and value of entries that stand apart.
-    apart: Vec<(u32, u32, f32)>,
+    pub apart: Vec<(u32, u32, f32)>,
+}
+
+/// The arrays of [`HMatrix::multiply`], for a product elsewhere. Clusters and tiles count places, not patches.
+pub struct Layout<'a> {
+    /// Patch at each place.
+    pub order: &'a [u32],
+    /// Codes of [`LANES`] triples at one place each.
+    pub codes: &'a [[i8; LANES]],
+    /// What is gathered: t = Cᵀ x.
+    pub panels: &'a [Panel],
+    /// The lane whose t each lane of a panel takes, counted through all panels.
+    pub partner: &'a [[u32; LANES]],
+    /// What that is multiplied by, in red, green and blue; 0 for lanes that are not used.
+    pub factor: &'a [Lanes],
+    /// Where the means of each panel start, one more at the end.
+    pub mean_start: &'a [u32],
+    /// First lanes that the first lane of a panel takes as well: their panel and factors.
+    pub means: &'a [(u32, [f32; 3])],
+    /// The rows of the result.
+    pub leaves: Vec<Leaf<'a>>,
+}
+
+/// What adds up to a leaf's rows.
+pub struct Leaf<'a> {
+    /// Places, of which the first leaf has most.
+    pub rows: Range<usize>,
+    /// The clusters that it lies in, from the largest to itself.
+    pub above: Vec<Cluster>,
+    /// Its tiles.
+    pub near: &'a Near,
 }
 
 /// Memory of a product, kept from frame to frame.
@@ -320,6 +358,26 @@ impl HMatrix {
         }
         for &(row, sender, value) in &tiles.apart {
             (0..3).for_each(|c| out[row as usize][c] += value * x[sender as usize][c]);
+        }
+    }
+
+    /// What the product reads.
+    pub fn layout(&self) -> Layout<'_> {
+        let depth = self.clusters.len() - 1;
+        let leaf = |(leaf, near)| Leaf {
+            rows: self.tree.range(self.tree.depth, leaf),
+            above: self.clusters.iter().enumerate().map(|(level, all)| all[leaf >> (depth - level)]).collect(),
+            near,
+        };
+        Layout {
+            order: &self.order,
+            codes: &self.codes,
+            panels: &self.panels,
+            partner: &self.partner,
+            factor: &self.factor,
+            mean_start: &self.mean_start,
+            means: &self.means,
+            leaves: self.near.iter().enumerate().map(leaf).collect(),
         }
     }
 
