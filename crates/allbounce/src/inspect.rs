@@ -77,7 +77,7 @@ fn contents(c: &Container) -> anyhow::Result<Vec<String>> {
     if c.has("patches.area") {
         lines.push(patches(&Patches::read(c)?));
     }
-    if c.has("pack.meta") {
+    if PackedOperator::is_in(c) {
         let packed = PackedOperator::read(c)?;
         let p = &packed.packing;
         let bytes = packed.size_in_bytes();

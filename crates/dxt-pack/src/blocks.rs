@@ -159,6 +159,7 @@ mod tests {
                 tiles,
             };
             let packed = PackedOperator {
+                half: None,
                 blocks: encode(&split, &[1.0; 21], &packing, &Quiet).into(),
                 packing,
                 outlier_start: split.start.clone().into(),

@@ -5,7 +5,7 @@
 //! entries cancel in the product and coherent ones do not.
 
 use probes::{Errors, Row, sent_light, summarise};
-use radfile::{Operator, PackedOperator, Patches, Progress};
+use radfile::{Decoder, Operator, PackedOperator, Patches, Progress};
 use rayon::prelude::*;
 
 /// Compares a packed operator with the dense one it was made from, under direct irradiances `lights`.
@@ -25,6 +25,7 @@ pub fn measure(
     assert_eq!(packed.packing.channels as usize, operator.channels, "channels of the operators");
     assert!(lights.iter().all(|light| light.len() == n), "one irradiance a patch");
     progress.begin("measuring the error", (operator.channels * n.div_ceil(4)) as u64);
+    let decoder = packed.decoder();
     let channels: Vec<Vec<Row>> = (0..operator.channels)
         .map(|c| {
             let sent = sent_light(patches, lights, c);
@@ -32,7 +33,7 @@ pub fn measure(
             let rows: Vec<Vec<Row>> = blocks
                 .map(|block| {
                     progress.advance(1);
-                    four_rows(operator, packed, c, block, &sent, lights.len())
+                    four_rows(operator, &decoder, c, block, &sent, lights.len())
                 })
                 .collect();
             rows.into_iter().flatten().collect()
@@ -43,7 +44,7 @@ pub fn measure(
 
 fn four_rows(
     operator: &Operator,
-    packed: &PackedOperator,
+    decoder: &Decoder,
     channel: usize,
     block: usize,
     sent: &[f64],
@@ -51,11 +52,10 @@ fn four_rows(
 ) -> Vec<Row> {
     let n = operator.n;
     let mut decoded = vec![0.0; 4 * n];
-    packed.decode_rows(channel, block, n, &mut decoded);
+    decoder.rows(channel, block, &mut decoded);
     (4 * block..n.min(4 * block + 4))
         .map(|row| {
-            let decoded = &mut decoded[row % 4 * n..][..n];
-            packed.add_outliers(channel, row, decoded);
+            let decoded = &decoded[row % 4 * n..][..n];
             multiply(&operator.channel(channel)[row * n..][..n], decoded, sent, lights)
         })
         .collect()

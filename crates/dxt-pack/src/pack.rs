@@ -53,6 +53,7 @@ pub fn pack(
         outlier_start: split.start.into(),
         outlier_column: split.column.into(),
         outlier_value: Vec::new().into(),
+        half: None,
     };
     packed.outlier_value = remainders(operator, &packed).into();
     let lights = probe_lights(patches, params.probes, params.seed);

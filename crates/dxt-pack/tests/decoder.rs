@@ -28,6 +28,7 @@ fn noise(format: BlockFormat, across: usize) -> PackedOperator<'static> {
         block.copy_within(0..width, width);
     }
     PackedOperator {
+        half: None,
         outlier_start: vec![0; packing.n as usize + 1].into(),
         outlier_column: Vec::new().into(),
         outlier_value: Vec::new().into(),

@@ -182,6 +182,7 @@ fn a_texture_beyond_what_dds_holds_is_refused() {
         tiles,
     };
     let none = PackedOperator {
+        half: None,
         packing,
         blocks: Vec::new().into(),
         outlier_start: Vec::new().into(),

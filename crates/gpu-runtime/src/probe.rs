@@ -51,6 +51,7 @@ fn sample(packed: &PackedOperator) -> PackedOperator<'static> {
         }
     }
     PackedOperator {
+        half: None,
         outlier_start: vec![0; packing.n as usize + 1].into(),
         outlier_column: vec![].into(),
         outlier_value: vec![].into(),

@@ -432,6 +432,7 @@ mod tests {
         let (format, map) = (BlockFormat::Bc4, ValueMap::Sqrt);
         let packing = Packing { n: 4, channels: 1, bounces: None, format, map, scale: [1.0; 3], tile: 4, tiles: 1 };
         let packed = PackedOperator {
+            half: None,
             packing,
             blocks: vec![0; 8].into(),
             outlier_start: vec![0; 5].into(),

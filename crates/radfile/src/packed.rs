@@ -6,14 +6,17 @@
 //! has been decoded. So a reader always decodes and adds, and an encoder may leave in the texel of an
 //! outlier whatever serves its neighbours best. This file defines how bytes become values again, in
 //! f32; a GPU's sampler decodes the same blocks.
+//!
+//! There are two forms. The first holds the whole matrix of every channel, as the paper does. The second holds the
+//! half of luma and colour apart (`half.rs`).
 
 use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, Result, patches::check_offsets,
-    record::check_patch_count,
+    Builder, Colour, ColourBlock, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, Result, half,
+    patches::check_offsets, record::check_patch_count,
 };
 
 /// Block format of the textures; both use 8 bytes for 4 × 4 texels.
@@ -75,9 +78,9 @@ pub struct Packing {
     pub map: ValueMap,
     /// Value of code 1, one a channel (a single channel repeats it).
     pub scale: [f32; 3],
-    /// Edge of a tile in texels, a multiple of 4.
+    /// Edge of a tile in texels, a multiple of 4. Means nothing where half is stored.
     pub tile: u32,
-    /// Tiles along each edge of the matrix.
+    /// Tiles along each edge of the matrix. Means nothing where half is stored.
     pub tiles: u32,
 }
 
@@ -124,7 +127,7 @@ impl Packing {
         tile_index * self.tile_bytes() + block * 8
     }
 
-    fn check(&self) -> Result<()> {
+    pub(crate) fn check(&self) -> Result<()> {
         let tiling = Packing::tiling(self.n);
         let shift_ok = match self.map {
             ValueMap::Log { shift } => shift > 0.0 && shift.is_finite(),
@@ -144,59 +147,129 @@ impl Packing {
 pub struct PackedOperator<'a> {
     /// Its parameters.
     pub packing: Packing,
-    /// BC1 or BC4 blocks, see [`Packing::block_offset`]. Texel (x, y) of the matrix is column x, row y;
-    /// texels beyond `n` in either direction mean nothing.
+    /// BC1 or BC4 blocks. Texel (x, y) of the matrix is column x, row y; texels beyond `n` in either direction mean
+    /// nothing. The whole matrix: see [`Packing::block_offset`]. Half of it: block (i, j), j ≤ i, is number
+    /// i (i + 1) / 2 + j, and texels above the diagonal mean nothing.
     pub blocks: Cow<'a, [u8]>,
     /// `n` + 1 offsets into the outliers of each row.
     pub outlier_start: Cow<'a, [u32]>,
-    /// Column (sender) of each outlier, increasing within a row.
+    /// Column (sender) of each outlier, increasing within a row; up to the row itself where half is stored.
     pub outlier_column: Cow<'a, [u32]>,
-    /// What is added to its decoded texel in every channel, outliers × channels; may be negative.
+    /// What is added to its decoded texel in every channel, outliers × channels, or only outliers where half is
+    /// stored (and f16 in units of the largest, when written); may be negative.
     pub outlier_value: Cow<'a, [f32]>,
+    /// If there, half of luma is stored, and this is the colour. If not, the whole matrix of every channel is.
+    pub half: Option<Colour<'a>>,
+}
+
+/// Outliers of all rows and columns, `channels` values each.
+pub struct Outliers<'a> {
+    /// `n` + 1 offsets into the columns.
+    pub start: Cow<'a, [u32]>,
+    /// Columns of each row, increasing.
+    pub column: Cow<'a, [u32]>,
+    /// What is added, outliers × channels.
+    pub value: Cow<'a, [f32]>,
+    /// 1 or 3.
+    pub channels: usize,
 }
 
 impl PackedOperator<'_> {
-    /// Bytes of textures and outliers.
-    pub fn size_in_bytes(&self) -> usize {
-        self.blocks.len() + 4 * (self.outlier_start.len() + self.outlier_column.len() + self.outlier_value.len())
+    /// Whether a container holds a packed operator of either form.
+    pub fn is_in(c: &Container) -> bool {
+        c.has("pack.meta") || c.has("pack.half")
     }
 
-    /// Decodes the four texel rows `4 * block_row ..` of one channel to values of K, without outliers.
-    ///
-    /// `out` is 4 × `width`, row-major, with `width` ≥ n; columns beyond n are left as they are, rows
-    /// beyond n are written and mean nothing.
-    pub fn decode_rows(&self, channel: usize, block_row: usize, width: usize, out: &mut [f32]) {
-        let p = &self.packing;
-        let n = p.n as usize;
-        let channel = channel.min(p.channels as usize - 1);
-        for block_column in 0..n.div_ceil(4) {
-            let (palette, indices) = self.block(channel, 4 * block_row, 4 * block_column);
-            let palette = palette.map(|u| p.map.decode(u, p.scale[channel]));
-            for texel in 0..16 {
-                let column = 4 * block_column + texel % 4;
-                if column < n {
-                    out[texel / 4 * width + column] = palette[indices[texel] as usize];
-                }
-            }
+    /// Bytes of textures, outliers and colour.
+    pub fn size_in_bytes(&self) -> usize {
+        let indices = 4 * self.outlier_start.len();
+        match &self.half {
+            None => self.blocks.len() + indices + 4 * (self.outlier_column.len() + self.outlier_value.len()),
+            Some(colour) => self.blocks.len() + indices + 4 * self.outlier_column.len() + colour.size_in_bytes(),
         }
     }
 
-    /// One texel of one channel as a value of K, without outliers.
+    /// Textures: one where half is stored.
+    pub fn planes(&self) -> usize {
+        if self.half.is_some() { 1 } else { self.packing.planes() }
+    }
+
+    /// Where the outliers of a row are.
+    pub(crate) fn outliers_of(&self, row: usize) -> std::ops::Range<usize> {
+        self.outlier_start[row] as usize..self.outlier_start[row + 1] as usize
+    }
+
+    /// The outliers of both halves.
+    pub fn outliers(&self) -> Outliers<'_> {
+        if self.half.is_none() {
+            return Outliers {
+                start: Cow::Borrowed(&self.outlier_start),
+                column: Cow::Borrowed(&self.outlier_column),
+                value: Cow::Borrowed(&self.outlier_value),
+                channels: self.packing.channels as usize,
+            };
+        }
+        let mut rows = vec![Vec::new(); self.packing.n as usize];
+        // Rows below follow each other, so the columns of a row increase.
+        for row in 0..rows.len() {
+            for entry in self.outliers_of(row) {
+                let (column, value) = (self.outlier_column[entry], self.outlier_value[entry]);
+                rows[row].push((column, value));
+                if column as usize != row {
+                    rows[column as usize].push((row as u32, value));
+                }
+            }
+        }
+        let ends = rows.iter().scan(0, |end, row| {
+            *end += row.len() as u32;
+            Some(*end)
+        });
+        Outliers {
+            start: std::iter::once(0).chain(ends).collect(),
+            column: rows.iter().flatten().map(|&(column, _)| column).collect(),
+            value: rows.iter().flatten().map(|&(_, value)| value).collect(),
+            channels: 1,
+        }
+    }
+
+    /// The colour of every component; none where the whole matrix is stored.
+    pub fn colour(&self) -> Vec<ColourBlock> {
+        self.half.as_ref().map_or(Vec::new(), Colour::blocks)
+    }
+
+    /// Prepares to decode rows.
+    pub fn decoder(&self) -> Decoder<'_> {
+        Decoder { packed: self, outliers: self.outliers(), colour: self.colour() }
+    }
+
+    /// One texel of one channel as a value of K, without outliers and, where half is stored, without colour.
     ///
     /// # Panics
     ///
     /// If the texel lies outside the textures: a bug in the caller.
     pub fn texel(&self, channel: usize, row: usize, column: usize) -> f32 {
         let channel = channel.min(self.packing.channels as usize - 1);
+        let mirrored = self.half.is_some() && column > row;
+        let (row, column) = if mirrored { (column, row) } else { (row, column) };
         let (palette, indices) = self.block(channel, row, column);
         let u = palette[indices[row % 4 * 4 + column % 4] as usize];
         self.packing.map.decode(u, self.packing.scale[channel])
     }
 
-    /// Codes and indices of the block that holds a texel.
+    /// The sixteen texels of a stored block as values of a channel, row after row.
+    pub fn texels(&self, channel: usize, row: usize, column: usize) -> [f32; 16] {
+        let (palette, indices) = self.block(channel, row, column);
+        let palette = palette.map(|u| self.packing.map.decode(u, self.packing.scale[channel]));
+        indices.map(|index| palette[index as usize])
+    }
+
+    /// Codes and indices of the block that holds a texel; not one above the diagonal where half is stored.
     fn block(&self, channel: usize, row: usize, column: usize) -> ([f32; 8], [u8; 16]) {
-        let plane = if self.packing.planes() == 1 { 0 } else { channel };
-        let at = self.packing.block_offset(plane, row, column);
+        let at = if self.half.is_some() {
+            half::half_offset(row, column)
+        } else {
+            self.packing.block_offset(if self.planes() == 1 { 0 } else { channel }, row, column)
+        };
         let block: [u8; 8] = self.blocks[at..at + 8].try_into().expect("a block is 8 bytes");
         match self.packing.format {
             BlockFormat::Bc4 => bc4_palette(block),
@@ -204,27 +277,87 @@ impl PackedOperator<'_> {
         }
     }
 
-    /// Adds the outliers of one row and channel to decoded values.
-    pub fn add_outliers(&self, channel: usize, row: usize, out: &mut [f32]) {
-        let channels = self.packing.channels as usize;
-        let channel = channel.min(channels - 1);
-        for entry in self.outlier_start[row] as usize..self.outlier_start[row + 1] as usize {
-            out[self.outlier_column[entry] as usize] += self.outlier_value[entry * channels + channel];
-        }
-    }
-
     /// The whole matrix of one channel, `n` × `n`, row-major.
     pub fn decode(&self, channel: usize) -> Vec<f32> {
         let n = self.packing.n as usize;
+        let decoder = self.decoder();
         let mut matrix = vec![0.0; n.next_multiple_of(4) * n];
         for (block_row, rows) in matrix.chunks_exact_mut(4 * n).enumerate() {
-            self.decode_rows(channel, block_row, n, rows);
+            decoder.rows(channel, block_row, rows);
         }
         matrix.truncate(n * n);
-        for (row, values) in matrix.chunks_exact_mut(n).enumerate() {
-            self.add_outliers(channel, row, values);
-        }
         matrix
+    }
+
+    /// Checks the columns and values of the outliers.
+    pub(crate) fn check_outliers(&self) -> Result<()> {
+        let refuse = |what: String| Err(Error::invariant("packed operator", what));
+        if let Some(e) = self.outlier_column.iter().position(|&j| j >= self.packing.n) {
+            return refuse(format!("outlier {e} lies in column {}", self.outlier_column[e]));
+        }
+        let mut rows = (0..self.packing.n as usize).map(|row| &self.outlier_column[self.outliers_of(row)]);
+        if let Some(row) = rows.position(|columns| columns.windows(2).any(|w| w[0] >= w[1])) {
+            return refuse(format!("the columns of the outliers of row {row} do not increase"));
+        }
+        match self.outlier_value.iter().position(|v| !v.is_finite()) {
+            Some(e) => refuse(format!("outlier value {e} is not finite")),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Decodes rows of a packed operator: texels, outliers and colour.
+pub struct Decoder<'a> {
+    packed: &'a PackedOperator<'a>,
+    outliers: Outliers<'a>,
+    colour: Vec<ColourBlock>,
+}
+
+impl Decoder<'_> {
+    /// Decodes rows `4 * block_row ..` of one channel to values of K.
+    ///
+    /// `out` is 4 × n, row-major; rows beyond n are written and mean nothing.
+    pub fn rows(&self, channel: usize, block_row: usize, out: &mut [f32]) {
+        let n = self.packed.packing.n as usize;
+        let channel = channel.min(self.packed.packing.channels as usize - 1);
+        for block_column in 0..n.div_ceil(4) {
+            let texels = self.block(channel, block_row, block_column);
+            for (texel, value) in texels.into_iter().enumerate() {
+                let column = 4 * block_column + texel % 4;
+                if column < n {
+                    out[texel / 4 * n + column] = value;
+                }
+            }
+        }
+        for (row, out) in (4 * block_row..n).zip(out.chunks_exact_mut(n)) {
+            self.add_outliers(channel, row, out);
+            self.colour.iter().for_each(|block| block.add(channel, row, out));
+        }
+    }
+
+    /// Sixteen texels of the whole matrix.
+    fn block(&self, channel: usize, block_row: usize, block_column: usize) -> [f32; 16] {
+        let packed = self.packed;
+        let texels = |row: usize, column: usize| packed.texels(channel, 4 * row, 4 * column);
+        match (&packed.half, block_row.cmp(&block_column)) {
+            (None, _) | (_, std::cmp::Ordering::Greater) => texels(block_row, block_column),
+            (Some(_), std::cmp::Ordering::Less) => {
+                let mirrored = texels(block_column, block_row);
+                std::array::from_fn(|t| mirrored[t % 4 * 4 + t / 4])
+            }
+            (Some(_), std::cmp::Ordering::Equal) => {
+                let lower = texels(block_row, block_row);
+                std::array::from_fn(|t| lower[(t / 4).max(t % 4) * 4 + (t / 4).min(t % 4)])
+            }
+        }
+    }
+
+    fn add_outliers(&self, channel: usize, row: usize, out: &mut [f32]) {
+        let Outliers { start, column, value, channels } = &self.outliers;
+        let channel = channel.min(channels - 1);
+        for entry in start[row] as usize..start[row + 1] as usize {
+            out[column[entry] as usize] += value[entry * channels + channel];
+        }
     }
 }
 
@@ -260,6 +393,9 @@ impl<'a> Record<'a> for PackedOperator<'a> {
     const PREFIX: &'static str = "pack.";
 
     fn read(c: &'a Container) -> Result<PackedOperator<'a>> {
+        if c.has("pack.half") {
+            return half::read(c);
+        }
         let packing: Packing = c.meta("pack.meta")?;
         packing.check()?;
         check_patch_count(c, "packed operator", packing.n as usize)?;
@@ -273,24 +409,18 @@ impl<'a> Record<'a> for PackedOperator<'a> {
             outlier_column: column.into(),
             outlier_value: c.array_of::<f32>("pack.outlier_value", &[Some(column.len()), Some(channels)])?.into(),
             packing,
+            half: None,
         };
         check_offsets("packed operator", "outlier_start", start, start.len() - 1, column.len())?;
-        if let Some(e) = column.iter().position(|&j| j >= packed.packing.n) {
-            return Err(Error::invariant("packed operator", format!("outlier {e} lies in column {}", column[e])));
-        }
-        let rows = start.windows(2).map(|w| &column[w[0] as usize..w[1] as usize]);
-        if let Some(row) = rows.into_iter().position(|columns| columns.windows(2).any(|w| w[0] >= w[1])) {
-            let what = format!("the columns of the outliers of row {row} do not increase");
-            return Err(Error::invariant("packed operator", what));
-        }
-        if let Some(e) = packed.outlier_value.iter().position(|v| !v.is_finite()) {
-            return Err(Error::invariant("packed operator", format!("outlier value {e} is not finite")));
-        }
+        packed.check_outliers()?;
         Ok(packed)
     }
 
     fn write<'b>(&'b self, b: &mut Builder<'b>) {
         const FLAGS: u32 = FLAG_REQUIRED | FLAG_PATCH_ORDER;
+        if let Some(colour) = &self.half {
+            return half::write(self, colour, b);
+        }
         let p = &self.packing;
         let tiles = p.tile_count();
         b.meta("pack.meta", FLAG_REQUIRED, p);

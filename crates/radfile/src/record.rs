@@ -39,6 +39,15 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("pack.outlier_start", "dxt-pack"),
     ("pack.outlier_column", "dxt-pack"),
     ("pack.outlier_value", "dxt-pack"),
+    ("pack.half", "dxt-pack"),
+    ("pack.half_blocks", "dxt-pack"),
+    ("pack.half_start", "dxt-pack"),
+    ("pack.half_column", "dxt-pack"),
+    ("pack.half_value", "dxt-pack"),
+    ("pack.half_component", "dxt-pack"),
+    ("pack.half_scale", "dxt-pack"),
+    ("pack.half_codes", "dxt-pack"),
+    ("pack.half_core", "dxt-pack"),
     ("hmatrix.meta", "hmatrix"),
     ("hmatrix.blocks", "hmatrix"),
     ("transfer.position", "transfer"),
@@ -53,7 +62,22 @@ pub const SECTIONS: &[(&str, &str)] = &[
 ];
 
 /// Sections that later minor versions brought, from 1.1 on; all others are those of 1.0.
-const SINCE: [&[&str]; 2] = [&["patches.cut_plane", "patches.cut_child"], &["hmatrix.meta", "hmatrix.blocks"]];
+const SINCE: [&[&str]; 2] = [
+    &["patches.cut_plane", "patches.cut_child"],
+    &[
+        "pack.half",
+        "pack.half_blocks",
+        "pack.half_start",
+        "pack.half_column",
+        "pack.half_value",
+        "pack.half_component",
+        "pack.half_scale",
+        "pack.half_codes",
+        "pack.half_core",
+        "hmatrix.meta",
+        "hmatrix.blocks",
+    ],
+];
 
 /// The minor version that brought a section; 0 for those that no version knows.
 pub fn minor_of(section: &str) -> u16 {

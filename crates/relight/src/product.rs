@@ -17,14 +17,14 @@ pub fn multiply(packed: &PackedOperator, x: &[[f32; 3]]) -> Vec<[f32; 3]> {
     assert_eq!(x.len(), n, "one value a patch of the operator");
     let colours: [Vec<f32>; 3] = std::array::from_fn(|c| x.iter().map(|v| v[c]).collect());
     let mut y = vec![[0.0; 3]; n];
+    let decoder = packed.decoder();
     y.par_chunks_mut(4).enumerate().for_each_init(
         || vec![0.0; 4 * n],
         |rows, (block_row, y)| {
             for channel in 0..packed.packing.channels as usize {
-                packed.decode_rows(channel, block_row, n, rows);
+                decoder.rows(channel, block_row, rows);
                 for (i, y) in y.iter_mut().enumerate() {
-                    let row = &mut rows[i * n..][..n];
-                    packed.add_outliers(channel, 4 * block_row + i, row);
+                    let row = &rows[i * n..][..n];
                     if packed.packing.channels == 1 {
                         *y = std::array::from_fn(|c| dot(row, &colours[c]));
                     } else {

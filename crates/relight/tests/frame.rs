@@ -20,6 +20,7 @@ fn noise(n: u32, channels: u32, format: BlockFormat, map: ValueMap) -> PackedOpe
     let bytes = packing.tile_count() * packing.tile_bytes();
     let per_row = 2;
     PackedOperator {
+        half: None,
         blocks: (0..bytes as u32).map(|i| hash(i, 1) as u8).collect::<Vec<_>>().into(),
         outlier_start: (0..=n).map(|i| i * per_row).collect::<Vec<_>>().into(),
         outlier_column: (0..n).flat_map(|i| [i % (n / 2), n / 2 + i % (n / 2)]).collect::<Vec<_>>().into(),

@@ -33,7 +33,7 @@ pub struct Args {
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let c = files::open(&args.file)?;
     let name = || args.file.display().to_string();
-    if c.has("pack.meta") {
+    if PackedOperator::is_in(&c) {
         let packing = PackedOperator::read(&c).with_context(name)?.packing;
         let need = 4 * u64::from(packing.channels) * u64::from(packing.n).pow(2);
         session.ask_memory("verify", need, "it decodes the whole operator; verify a bake of fewer patches")?;
@@ -62,7 +62,7 @@ fn identities(c: &Container, packed_tolerance: f64) -> anyhow::Result<Vec<Check>
     if c.has("series.values") {
         checks.extend(operator::dense(c, &patches)?);
     }
-    if c.has("pack.blocks") {
+    if PackedOperator::is_in(c) {
         checks.extend(operator::packed(c, &patches, packed_tolerance)?);
     }
     if c.has("transfer.weight") {

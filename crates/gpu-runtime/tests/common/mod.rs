@@ -192,6 +192,7 @@ pub fn empty_operator(n: u32, channels: u32, format: BlockFormat, map: ValueMap)
     let (tile, tiles) = Packing::tiling(n);
     let packing = Packing { n, channels, bounces: None, format, map, scale: [0.9, 0.7, 0.5], tile, tiles };
     PackedOperator {
+        half: None,
         blocks: vec![0; packing.tile_count() * packing.tile_bytes()].into(),
         outlier_start: vec![0; n as usize + 1].into(),
         outlier_column: vec![].into(),

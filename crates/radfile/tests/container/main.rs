@@ -8,6 +8,7 @@ mod damage;
 mod differences;
 mod disagreement;
 mod foreign;
+mod half;
 mod hostile;
 mod invariants;
 mod metadata;

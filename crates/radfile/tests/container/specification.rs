@@ -4,7 +4,7 @@ use std::{collections::HashMap, path::Path};
 
 use radfile::{Container, ElementType, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, SECTIONS};
 
-use crate::fixture::{cube, cube_with_cuts, hierarchical, minimal, open};
+use crate::fixture::{cube, cube_with_cuts, half, hierarchical, minimal, open};
 
 fn specification() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../formats/rad.md");
@@ -49,9 +49,10 @@ fn fits(extent: &str, found: u64, symbols: &mut HashMap<String, u64>) -> bool {
 
 #[test]
 fn every_section_has_the_element_shape_and_flags_that_the_specification_lists() {
-    let (cube, hierarchical) = (cube_with_cuts(), hierarchical());
+    let (cube, hierarchical, half) = (cube_with_cuts(), hierarchical(), half());
     let mut builder = cube.builder();
     hierarchical.write(&mut builder);
+    half.write(&mut builder);
     let container = open(&builder);
     let mut symbols = HashMap::new();
     let text = specification();
@@ -200,9 +201,10 @@ fn float64(bytes: &[u8]) -> u64 {
 #[test]
 fn a_reader_made_from_the_specification_alone_reads_all_metadata() {
     let reader = Reader::new(&specification());
-    let (cube, hierarchical) = (cube(), hierarchical());
+    let (cube, hierarchical, half) = (cube(), hierarchical(), half());
     let mut builder = cube.builder();
     hierarchical.write(&mut builder);
+    half.write(&mut builder);
     let container = open(&builder);
     let metas = container.sections().iter().filter(|s| s.element == ElementType::Meta);
     let read: Vec<(&str, String)> = metas.map(|s| (s.name.as_str(), reader.section(&container, &s.name))).collect();
@@ -216,6 +218,7 @@ fn a_reader_made_from_the_specification_alone_reads_all_metadata() {
     let grid = bits(-0.25);
     assert_eq!(of("patches.meta"), &format!("{grid} {grid} {grid} {} ", bits(1.5)));
     assert!(of("pack.meta").starts_with("6 3 Bc4 Sqrt ") && of("pack.meta").ends_with(" 8 1 "));
+    assert!(of("pack.half").starts_with(&format!("6 3 7 Sqrt {} {} ", bits(0.5), bits(2.0))), "{}", of("pack.half"));
     assert_eq!(of("series.meta"), "");
     assert!(of("provenance").starts_with("voxel-simplify 1.0 --frozen cube.obj 1f2e3d4c"));
 

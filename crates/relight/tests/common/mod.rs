@@ -135,6 +135,7 @@ fn as_outliers(k: &[f64], n: usize) -> PackedOperator<'static> {
         tiles,
     };
     PackedOperator {
+        half: None,
         blocks: vec![0; packing.tile_count() * packing.tile_bytes()].into(),
         outlier_start: (0..=n).map(|i| (i * n) as u32).collect::<Vec<_>>().into(),
         outlier_column: (0..n * n).map(|i| (i % n) as u32).collect::<Vec<_>>().into(),
