@@ -1,11 +1,13 @@
 //! Buffers: upload with the adapter's limits checked, and the way back.
 
+use std::{borrow::Borrow, sync::atomic::Ordering};
+
 use bytemuck::Pod;
 use wgpu::util::DeviceExt;
 
 use crate::{Error, Gpu, Result};
 
-/// A buffer on its way back to the CPU: filled when the encoder's work is submitted.
+/// The way back of vectors to the CPU.
 pub struct Download {
     staging: Option<wgpu::Buffer>,
 }
@@ -20,7 +22,7 @@ impl Gpu {
         self.check_storage(what, bytes.len() as u64, remedy)?;
         let contents = if bytes.is_empty() { &[0; LEAST as usize] } else { bytes };
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-        Ok(self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(what), contents, usage }))
+        Ok(self.filled(what, contents, usage))
     }
 
     /// A storage buffer of `count` zero `vec4<f32>`.
@@ -28,14 +30,13 @@ impl Gpu {
         let size = (16 * count as u64).max(LEAST);
         self.check_storage(what, size, remedy)?;
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
-        let descriptor = wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false };
-        Ok(self.device.create_buffer(&descriptor))
+        Ok(self.empty(what, size, usage))
     }
 
     /// A uniform buffer.
     pub(crate) fn uniform<T: Pod>(&self, what: &'static str, value: &T) -> wgpu::Buffer {
-        let (contents, usage) = (bytemuck::bytes_of(value), wgpu::BufferUsages::UNIFORM);
-        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(what), contents, usage })
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        self.filled(what, bytemuck::bytes_of(value), usage)
     }
 
     /// A buffer of vertices or indices.
@@ -51,7 +52,24 @@ impl Gpu {
             let remedy = "use a coarser mesh";
             return Err(self.too_large(what, contents.len() as u64, limit, "maxBufferSize", remedy));
         }
-        Ok(self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(what), contents, usage }))
+        Ok(self.filled(what, contents, usage))
+    }
+
+    /// Number of buffers that were made on the device so far, by all clones of this.
+    pub fn buffers_made(&self) -> usize {
+        self.made.load(Ordering::Relaxed)
+    }
+
+    fn filled(&self, what: &'static str, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.made.fetch_add(1, Ordering::Relaxed);
+        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(what), contents, usage })
+    }
+
+    /// A buffer of `size` zero bytes.
+    pub(crate) fn empty(&self, what: &'static str, size: u64, usage: wgpu::BufferUsages) -> wgpu::Buffer {
+        self.made.fetch_add(1, Ordering::Relaxed);
+        let descriptor = wgpu::BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false };
+        self.device.create_buffer(&descriptor)
     }
 
     /// Whether a storage buffer of `bytes` can be bound.
@@ -73,16 +91,15 @@ impl Gpu {
 
     /// Copies the first `count` vectors of a buffer to where the CPU can read them.
     pub(crate) fn download(&self, encoder: &mut wgpu::CommandEncoder, from: &wgpu::Buffer, count: usize) -> Download {
-        let size = 16 * count as u64;
-        let staging = (size > 0).then(|| {
-            let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
-            let descriptor =
-                wgpu::BufferDescriptor { label: Some("read back"), size, usage, mapped_at_creation: false };
-            let staging = self.device.create_buffer(&descriptor);
-            encoder.copy_buffer_to_buffer(from, 0, &staging, 0, size);
-            staging
-        });
-        Download { staging }
+        let download = self.way_back(count);
+        download.copy(encoder, from);
+        download
+    }
+
+    /// A way back for `count` vectors.
+    pub(crate) fn way_back(&self, count: usize) -> Download {
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+        Download { staging: (count > 0).then(|| self.empty("read back", 16 * count as u64, usage)) }
     }
 
     /// An encoder for one frame.
@@ -91,28 +108,53 @@ impl Gpu {
     }
 
     /// Submits the work, waits for it, and reads what was downloaded, as RGB.
-    pub(crate) fn finish<const K: usize>(
+    pub(crate) fn finish<const K: usize, D: Borrow<Download>>(
         &self,
         encoder: wgpu::CommandEncoder,
-        downloads: [Download; K],
+        downloads: [D; K],
     ) -> Result<[Vec<[f32; 3]>; K]> {
+        let stagings: [Option<&wgpu::Buffer>; K] = downloads.each_ref().map(|d| d.borrow().staging.as_ref());
+        let mut all = std::array::from_fn(|_| Vec::new());
+        self.submit(encoder, stagings.into_iter().flatten())?;
+        for (staging, values) in stagings.into_iter().zip(&mut all) {
+            let Some(staging) = staging else { continue };
+            *values = self.read(staging, |bytes| bytes.as_chunks::<16>().0.iter().map(rgb).collect())?;
+        }
+        Ok(all)
+    }
+
+    /// Submits the work and waits until it is done and `stagings` can be read.
+    pub(crate) fn submit<'a>(
+        &self,
+        encoder: wgpu::CommandEncoder,
+        stagings: impl Iterator<Item = &'a wgpu::Buffer>,
+    ) -> Result<()> {
         let commands = encoder.finish();
         self.check()?;
         self.queue.submit([commands]);
         self.check()?;
-        for staging in downloads.iter().filter_map(|d| d.staging.as_ref()) {
-            // A failure to map comes back from get_mapped_range below.
+        for staging in stagings {
+            // A failure to map comes back from get_mapped_range in `read`.
             staging.slice(..).map_async(wgpu::MapMode::Read, |_| {});
         }
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|e| self.broken(e))?;
-        self.check()?;
-        let mut all = std::array::from_fn(|_| Vec::new());
-        for (download, values) in downloads.iter().zip(&mut all) {
-            let Some(staging) = &download.staging else { continue };
-            let mapped = staging.slice(..).get_mapped_range().map_err(|e| self.broken(e))?;
-            *values = mapped.as_chunks::<16>().0.iter().map(rgb).collect();
+        self.check()
+    }
+
+    /// What a buffer holds that [`Gpu::submit`] made readable.
+    pub(crate) fn read<T>(&self, staging: &wgpu::Buffer, decode: impl Fn(&[u8]) -> T) -> Result<T> {
+        let value = decode(&staging.slice(..).get_mapped_range().map_err(|e| self.broken(e))?);
+        staging.unmap();
+        Ok(value)
+    }
+}
+
+impl Download {
+    /// Fills the way back once the encoder's work is submitted.
+    pub fn copy(&self, encoder: &mut wgpu::CommandEncoder, from: &wgpu::Buffer) {
+        if let Some(staging) = &self.staging {
+            encoder.copy_buffer_to_buffer(from, 0, staging, 0, staging.size());
         }
-        Ok(all)
     }
 }
 

@@ -6,7 +6,7 @@ use radfile::Rows;
 use crate::{
     Error, Gpu, Result,
     buffers::vec4,
-    kernels::{self, Kernel},
+    kernels::{self, Kernel, Parametric},
 };
 
 /// See `shaders/gather.wgsl`.
@@ -77,25 +77,28 @@ impl Gather {
     }
 
     /// Irradiance at receivers from `light` of the patches and the `sky` they see.
-    #[expect(clippy::too_many_arguments, reason = "each is one binding of the kernel")]
-    pub fn run(
+    pub fn prepare(
         &self,
         gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
         rows: &RowTables,
-        mixture: Mixture,
         light: &wgpu::Buffer,
         sky: &wgpu::Buffer,
         out: &wgpu::Buffer,
-    ) {
-        let params = GatherParams {
-            receivers: rows.count as u32,
-            share: mixture.share,
-            sky: vec4(mixture.sky, 0.0),
-            ..Default::default()
-        };
-        let uniform = gpu.uniform("gather", &params);
+    ) -> Parametric {
+        let uniform = gpu.uniform("gather", &GatherParams::default());
         let buffers = [&uniform, &rows.start, &rows.sender, &rows.weight, light, sky, out];
-        self.0.each(gpu, encoder, &buffers.map(|b| b.as_entire_binding()), rows.count);
+        let dispatch = self.0.prepare_each(gpu, &buffers.map(|b| b.as_entire_binding()), rows.count);
+        Parametric::new(uniform, dispatch)
+    }
+}
+
+impl Mixture {
+    /// The light of patches alone.
+    pub const LIGHT: Mixture = Mixture { share: 1.0, sky: [0.0; 3] };
+
+    /// Parameters of the kernel for `rows`.
+    pub fn params(self, rows: &RowTables) -> GatherParams {
+        let (receivers, sky) = (rows.count as u32, vec4(self.sky, 0.0));
+        GatherParams { receivers, share: self.share, sky, ..Default::default() }
     }
 }

@@ -5,7 +5,7 @@
 
 use std::{
     fmt,
-    sync::{Arc, Mutex},
+    sync::{Arc, Mutex, atomic::AtomicUsize},
 };
 
 use crate::{Error, Result};
@@ -37,6 +37,8 @@ pub struct Gpu {
     adapter: Adapter,
     /// The first error that the device reported and nobody has fetched yet.
     fault: Arc<Mutex<Option<String>>>,
+    /// Number of buffers.
+    pub(crate) made: Arc<AtomicUsize>,
 }
 
 /// Bytes that a pixel of the shading pass writes.
@@ -60,7 +62,7 @@ impl Gpu {
     ///
     /// As [`Gpu::new`].
     pub fn matching(accept: impl Fn(&Adapter) -> bool) -> Result<Gpu> {
-        Gpu::with_features(accept, wgpu::Features::TEXTURE_COMPRESSION_BC)
+        Gpu::with_features(accept, wgpu::Features::TEXTURE_COMPRESSION_BC | wgpu::Features::TIMESTAMP_QUERY)
     }
 
     /// Opens a device with those of `features` that its adapter has.
@@ -96,6 +98,11 @@ impl Gpu {
     /// Whether textures of compressed blocks can be used.
     pub(crate) fn has_block_textures(&self) -> bool {
         self.device.features().contains(wgpu::Features::TEXTURE_COMPRESSION_BC)
+    }
+
+    /// Whether the device notes the time at which it does its work.
+    pub(crate) fn has_timestamps(&self) -> bool {
+        self.device.features().contains(wgpu::Features::TIMESTAMP_QUERY)
     }
 
     /// The first error that the device has reported since the last call.
@@ -169,7 +176,7 @@ fn open(adapter: &wgpu::Adapter, about: Adapter, required_features: wgpu::Featur
         wgpu::DeviceLostReason::Destroyed => {}
         _ => keep(&slot, format!("the device was lost: {what}")),
     });
-    Ok(Gpu { device, queue, adapter: about, fault })
+    Ok(Gpu { device, queue, adapter: about, fault, made: Arc::default() })
 }
 
 #[cfg(test)]

@@ -2,6 +2,8 @@
 //!
 //! Bindings of a compute kernel are numbered 0, 1, … in group 0, in the order of the shader.
 
+use bytemuck::Pod;
+
 use crate::Gpu;
 
 /// Sources, joined with what they share.
@@ -22,18 +24,35 @@ pub const PRODUCT_SAMPLED: &str =
     concat!(include_str!("../../../shaders/product.wgsl"), include_str!("../../../shaders/codes_sampled.wgsl"));
 pub const PRODUCT_STORED: &str =
     concat!(include_str!("../../../shaders/product.wgsl"), include_str!("../../../shaders/codes_stored.wgsl"));
+pub const HMATRIX_GATHER: &str = include_str!("../../../shaders/hmatrix_gather.wgsl");
+pub const HMATRIX_EXCHANGE: &str = include_str!("../../../shaders/hmatrix_exchange.wgsl");
+pub const HMATRIX_SCATTER: &str = include_str!("../../../shaders/hmatrix_scatter.wgsl");
 pub const GATHER: &str = include_str!("../../../shaders/gather.wgsl");
 pub const SURFACE: &str =
     concat!(include_str!("../../../shaders/view.wgsl"), include_str!("../../../shaders/surface.wgsl"));
 pub const SHADE: &str = include_str!("../../../shaders/shade.wgsl");
 
-/// Invocations of every workgroup.
+/// Invocations of every workgroup where kernels run for each of some items.
 const GROUP: usize = 64;
 
 /// A compute kernel.
 pub struct Kernel {
     name: &'static str,
     pipeline: wgpu::ComputePipeline,
+}
+
+/// A kernel with what it works on, to be run again and again.
+pub struct Dispatch {
+    name: &'static str,
+    pipeline: wgpu::ComputePipeline,
+    bindings: wgpu::BindGroup,
+    groups: (u32, u32),
+}
+
+/// A dispatch with parameters of its own, which may change from one submission to the next.
+pub struct Parametric {
+    uniform: wgpu::Buffer,
+    dispatch: Dispatch,
 }
 
 impl Gpu {
@@ -69,6 +88,21 @@ impl Gpu {
 }
 
 impl Kernel {
+    /// Binds `resources` for runs of one invocation for each of `count` items.
+    pub fn prepare_each(&self, gpu: &Gpu, resources: &[wgpu::BindingResource], count: usize) -> Dispatch {
+        self.prepare(gpu, resources, count.div_ceil(GROUP))
+    }
+
+    /// Binds `resources` for runs of `groups` workgroups.
+    pub fn prepare(&self, gpu: &Gpu, resources: &[wgpu::BindingResource], groups: usize) -> Dispatch {
+        Dispatch {
+            name: self.name,
+            pipeline: self.pipeline.clone(),
+            bindings: gpu.bind(&self.pipeline.get_bind_group_layout(0), resources),
+            groups: grid(groups as u64, u64::from(gpu.device.limits().max_compute_workgroups_per_dimension)),
+        }
+    }
+
     /// Runs one invocation for each of `count` items.
     pub fn each(
         &self,
@@ -77,7 +111,7 @@ impl Kernel {
         resources: &[wgpu::BindingResource],
         count: usize,
     ) {
-        self.groups(gpu, encoder, resources, count.div_ceil(GROUP));
+        self.prepare_each(gpu, resources, count).run(encoder);
     }
 
     /// Runs `groups` workgroups.
@@ -88,22 +122,44 @@ impl Kernel {
         resources: &[wgpu::BindingResource],
         groups: usize,
     ) {
-        if groups == 0 {
-            return;
-        }
-        let bindings = gpu.bind(&self.pipeline.get_bind_group_layout(0), resources);
-        let descriptor = wgpu::ComputePassDescriptor { label: Some(self.name), timestamp_writes: None };
-        let mut pass = encoder.begin_compute_pass(&descriptor);
-        pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &bindings, &[]);
-        let (x, y) = grid(groups as u64, u64::from(gpu.device.limits().max_compute_workgroups_per_dimension));
-        pass.dispatch_workgroups(x, y, 1);
+        self.prepare(gpu, resources, groups).run(encoder);
+    }
+}
+
+impl Dispatch {
+    /// Runs the kernel.
+    pub fn run(&self, encoder: &mut wgpu::CommandEncoder) {
+        run(encoder, self.name, std::slice::from_ref(self));
+    }
+}
+
+/// Runs kernels one after the other in one pass.
+pub fn run(encoder: &mut wgpu::CommandEncoder, name: &str, dispatches: &[Dispatch]) {
+    let mut pass =
+        encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(name), timestamp_writes: None });
+    for dispatch in dispatches {
+        pass.set_pipeline(&dispatch.pipeline);
+        pass.set_bind_group(0, &dispatch.bindings, &[]);
+        pass.dispatch_workgroups(dispatch.groups.0, dispatch.groups.1, 1);
+    }
+}
+
+impl Parametric {
+    /// Of a `uniform` that `dispatch` binds.
+    pub fn new(uniform: wgpu::Buffer, dispatch: Dispatch) -> Parametric {
+        Parametric { uniform, dispatch }
+    }
+
+    /// Runs the kernel; at most once in a submission, for there is one set of parameters.
+    pub fn run<P: Pod>(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, params: &P) {
+        gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(params));
+        self.dispatch.run(encoder);
     }
 }
 
 /// The smallest x × y ≥ `groups` with x ≤ `limit` and the fewest rows.
 fn grid(groups: u64, limit: u64) -> (u32, u32) {
-    let rows = groups.div_ceil(limit);
+    let rows = groups.div_ceil(limit).max(1);
     (groups.div_ceil(rows) as u32, rows as u32)
 }
 
@@ -116,6 +172,7 @@ mod tests {
     use super::*;
     use crate::{
         gather::GatherParams,
+        hierarchical::{Panel, ScatterParams, Term},
         lamp::Lamp,
         operator::ProductParams,
         patch_tables::PatchLightParams,
@@ -123,7 +180,7 @@ mod tests {
         view::View,
     };
 
-    const ALL: [(&str, &str); 10] = [
+    const ALL: [(&str, &str); 13] = [
         ("shadow_map", SHADOW_MAP),
         ("direct", DIRECT),
         ("patch_light", PATCH_LIGHT),
@@ -131,6 +188,9 @@ mod tests {
         ("radiosity", RADIOSITY),
         ("product sampled", PRODUCT_SAMPLED),
         ("product stored", PRODUCT_STORED),
+        ("hmatrix_gather", HMATRIX_GATHER),
+        ("hmatrix_exchange", HMATRIX_EXCHANGE),
+        ("hmatrix_scatter", HMATRIX_SCATTER),
         ("gather", GATHER),
         ("surface", SURFACE),
         ("shade", SHADE),
@@ -178,7 +238,7 @@ mod tests {
             }
             files += 1;
         }
-        assert_eq!(files, 13);
+        assert_eq!(files, 16);
     }
 
     #[test]
@@ -208,6 +268,9 @@ mod tests {
                 [patch_count, tile, tiles, planes, channels, logarithmic, shift, bc1, scale]
             );
         }
+        same_layout!(HMATRIX_GATHER, "Panel", Panel, [codes, place, len, sums]);
+        same_layout!(HMATRIX_EXCHANGE, "Term", Term, [factor, source]);
+        same_layout!(HMATRIX_SCATTER, "ScatterParams", ScatterParams, [parts, runs, unused_a, unused_b]);
         same_layout!(GATHER, "GatherParams", GatherParams, [receivers, share, unused_a, unused_b, sky]);
         same_layout!(SURFACE, "Camera", CameraUniform, [view, eye]);
         same_layout!(SURFACE, "Material", MaterialUniform, [reflectance, emission]);
@@ -226,7 +289,7 @@ mod tests {
 
     #[test]
     fn grids_cover_all_groups_within_the_limit() {
-        for (groups, limit) in [(1, 65535), (65535, 65535), (65536, 65535), (1_000_000, 65535), (7, 3)] {
+        for (groups, limit) in [(0, 65535), (1, 65535), (65535, 65535), (65536, 65535), (1_000_000, 65535), (7, 3)] {
             let (x, y) = grid(groups, limit);
             let (x, y) = (u64::from(x), u64::from(y));
             assert!(x <= limit && x * y >= groups && x * y < groups + y, "{groups} groups: {x} x {y}");

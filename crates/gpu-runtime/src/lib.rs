@@ -5,6 +5,8 @@
 //! operator times what the patches send, which is all further bounces; the gather at receivers; the shading
 //! of a picture. The CPU does the same in `relight`, which is the twin that this crate is judged by.
 //!
+//! The operator is [`Packed`] as block-compressed textures or as hierarchical blocks in storage buffers.
+//!
 //! Start at [`Gpu::new`] and [`GpuRuntime::new`]. Kernels are in `shaders/`, one a file; this is the only
 //! crate that knows wgpu.
 //!
@@ -13,21 +15,27 @@
 mod buffers;
 mod emitters;
 mod error;
+mod frame;
 mod gather;
 mod gpu;
+mod hierarchical;
 mod kernels;
 mod lamp;
 mod operator;
+mod packed;
 mod patch_tables;
 mod picture;
 mod probe;
 mod runtime;
 mod shadows;
 mod textures;
+mod timing;
 mod view;
 
 pub use error::{Error, Result};
 pub use gpu::{Adapter, Gpu};
 pub use operator::Decode;
+pub use packed::Packed;
 pub use picture::Parts;
 pub use runtime::{GpuRuntime, Params, PointLight, Relit, Report};
+pub use timing::{Clock, Timing};

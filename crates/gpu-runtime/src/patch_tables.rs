@@ -7,7 +7,7 @@ use scene::{PatchSampler, Sobol, hash};
 use crate::{
     Gpu, Result,
     buffers::vec4,
-    kernels::{self, Kernel},
+    kernels::{self, Dispatch, Kernel, Parametric},
     shadows::Points,
 };
 
@@ -80,23 +80,24 @@ impl PatchTables {
         gpu.vectors(what, self.count, FEWER)
     }
 
-    /// H⁰ from the light of the sample points; `sky` is π L.
-    pub fn mean(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, sky: [f32; 3], h0: &wgpu::Buffer) {
-        let params = PatchLightParams {
-            patch_count: self.count as u32,
-            samples: self.samples,
-            sky: vec4(sky, 0.0),
-            ..Default::default()
-        };
-        let uniform = gpu.uniform("patch light", &params);
+    /// H⁰ from the light of the sample points.
+    pub fn mean(&self, gpu: &Gpu, h0: &wgpu::Buffer) -> Parametric {
+        let uniform = gpu.uniform("patch light", &self.mean_params([0.0; 3]));
         let buffers = [&uniform, &self.points.irradiance, &self.sky, h0].map(|b| b.as_entire_binding());
-        self.patch_light.each(gpu, encoder, &buffers, self.count);
+        let dispatch = self.patch_light.prepare_each(gpu, &buffers, self.count);
+        Parametric::new(uniform, dispatch)
+    }
+
+    /// Parameters of [`PatchTables::mean`]; `sky` is π L.
+    pub fn mean_params(&self, sky: [f32; 3]) -> PatchLightParams {
+        let (patch_count, samples) = (self.count as u32, self.samples);
+        PatchLightParams { patch_count, samples, sky: vec4(sky, 0.0), ..Default::default() }
     }
 
     /// x = √A ρ H⁰.
-    pub fn send(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, h0: &wgpu::Buffer, x: &wgpu::Buffer) {
+    pub fn send(&self, gpu: &Gpu, h0: &wgpu::Buffer, x: &wgpu::Buffer) -> Dispatch {
         let buffers = [&self.factors, h0, x].map(|b| b.as_entire_binding());
-        self.senders.each(gpu, encoder, &buffers, self.count);
+        self.senders.prepare_each(gpu, &buffers, self.count)
     }
 
     /// B = ρ (H⁰ + H) for `arriving` = [H⁰, H].

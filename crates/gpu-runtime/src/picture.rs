@@ -10,8 +10,8 @@ use scene::{Camera, Scene};
 
 use crate::{
     Error, Gpu, Result,
-    buffers::vec4,
-    kernels::{self, Kernel},
+    buffers::{Download, vec4},
+    kernels::{self, Kernel, Parametric},
     shadows::Points,
     textures,
     view::View,
@@ -92,16 +92,28 @@ const SMALLER: &str = "render a smaller picture or one with fewer samples a pixe
 /// Rows of a copy from a texture are multiples of 256 bytes.
 const ROW_PIXELS: u32 = 256 / 16;
 
-/// What the pixels of a picture see.
-pub struct Seen {
-    /// The pixels as points that receive light.
+/// What a picture of one size is made on.
+pub struct Canvas {
+    /// Pixels of the picture along its edges.
+    size: [u32; 2],
+    /// Samples along the edge of a pixel.
+    detail: u32,
+    /// Samples of a row, those that fill it up to whole copies too.
+    pitch: u32,
+    camera: wgpu::Buffer,
+    view: wgpu::BindGroup,
+    /// Position, normal, reflectance and emission of what the samples see, and the depth.
+    targets: [wgpu::Texture; 4],
+    depth: wgpu::TextureView,
+    /// The samples as points that receive light.
     pub points: Points,
     reflectance: wgpu::Buffer,
     emission: wgpu::Buffer,
-    width: u32,
-    height: u32,
-    detail: u32,
-    pitch: u32,
+    shade: Parametric,
+    /// The picture.
+    pub radiance: wgpu::Buffer,
+    /// Its way back.
+    pub back: Download,
 }
 
 impl FineTables {
@@ -134,34 +146,17 @@ impl FineTables {
         })
     }
 
-    /// Draws what a camera sees; `detail` is the number of samples along a pixel's edge.
-    pub fn look(
-        &self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        camera: &CameraUniform,
-        [width, height]: [u32; 2],
-        detail: u32,
-    ) -> Result<Seen> {
+    /// A canvas for pictures of `size` pixels; `detail` is the number of samples along a pixel's edge, `light` that of
+    /// the receivers and patches.
+    pub fn canvas(&self, gpu: &Gpu, size: [u32; 2], detail: u32, light: &wgpu::Buffer) -> Result<Canvas> {
         if self.draws.is_empty() {
             let what = "the bake has no fine mesh to be shown; it is written by `allbounce transfer`".into();
             return Err(Error::Shape { what });
         }
-        let limit = gpu.device.limits().max_texture_dimension_2d;
-        let (columns, rows) = (u64::from(width) * u64::from(detail), u64::from(height) * u64::from(detail));
-        if columns.max(rows) > u64::from(limit) || columns.min(rows) == 0 {
-            return Err(Error::TooLarge {
-                what: "the picture",
-                need: format!("{columns} x {rows} samples"),
-                adapter: gpu.adapter().to_string(),
-                limit: format!("1 to {limit} along an edge"),
-                rule: "maxTextureDimension2D",
-                remedy: SMALLER,
-            });
-        }
-        let size = wgpu::Extent3d { width: columns as u32, height: rows as u32, depth_or_array_layers: 1 };
-        let pitch = size.width.next_multiple_of(ROW_PIXELS);
-        let count = pitch as usize * size.height as usize;
+        let [columns, rows] = samples(gpu, size, detail)?;
+        let extent = wgpu::Extent3d { width: columns, height: rows, depth_or_array_layers: 1 };
+        let pitch = columns.next_multiple_of(ROW_PIXELS);
+        let count = pitch as usize * rows as usize;
         let buffer = |what| gpu.vectors(what, count, SMALLER);
         let points = Points {
             position: buffer("positions of pixels")?,
@@ -170,27 +165,56 @@ impl FineTables {
             count,
         };
         let (reflectance, emission) = (buffer("reflectance of pixels")?, buffer("emission of pixels")?);
-        let targets: [wgpu::Texture; 4] = std::array::from_fn(|_| target(gpu, size, TARGET));
-        self.draw(gpu, encoder, camera, &targets, &target(gpu, size, DEPTH));
-        for (texture, buffer) in targets.iter().zip([&points.position, &points.normal, &reflectance, &emission]) {
-            let layout =
-                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * pitch), rows_per_image: None };
-            encoder.copy_texture_to_buffer(texture.as_image_copy(), wgpu::TexelCopyBufferInfo { buffer, layout }, size);
-        }
-        Ok(Seen { points, reflectance, emission, width, height, detail, pitch })
+        let pixels = size[0] as usize * size[1] as usize;
+        let radiance = gpu.vectors("the picture", pixels, SMALLER)?;
+        let params = gpu.uniform("shade", &ShadeParams::default());
+        let buffers = [
+            &params,
+            &points.position,
+            &points.normal,
+            &reflectance,
+            &emission,
+            &self.receivers,
+            light,
+            &points.irradiance,
+            &radiance,
+        ];
+        let shade = self.shade.prepare_each(gpu, &buffers.map(|b| b.as_entire_binding()), pixels);
+        let camera = gpu.uniform("camera", &CameraUniform::default());
+        Ok(Canvas {
+            size,
+            detail,
+            pitch,
+            view: gpu.bind(&self.pipeline.get_bind_group_layout(0), &[camera.as_entire_binding()]),
+            camera,
+            targets: std::array::from_fn(|_| target(gpu, extent, TARGET)),
+            depth: target(gpu, extent, DEPTH).create_view(&Default::default()),
+            points,
+            reflectance,
+            emission,
+            shade: Parametric::new(params, shade),
+            radiance,
+            back: gpu.way_back(pixels),
+        })
     }
 
-    fn draw(
-        &self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        camera: &CameraUniform,
-        targets: &[wgpu::Texture; 4],
-        depth: &wgpu::Texture,
-    ) {
-        let uniform = gpu.uniform("camera", camera);
-        let bindings = gpu.bind(&self.pipeline.get_bind_group_layout(0), &[uniform.as_entire_binding()]);
-        let views = targets.each_ref().map(|t| t.create_view(&Default::default()));
+    /// Draws what a camera sees; the points of the canvas are dark then.
+    pub fn look(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, camera: &CameraUniform, canvas: &Canvas) {
+        gpu.queue.write_buffer(&canvas.camera, 0, bytemuck::bytes_of(camera));
+        self.draw(encoder, canvas);
+        let points = &canvas.points;
+        let buffers = [&points.position, &points.normal, &canvas.reflectance, &canvas.emission];
+        for (texture, buffer) in canvas.targets.iter().zip(buffers) {
+            let layout =
+                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * canvas.pitch), rows_per_image: None };
+            let to = wgpu::TexelCopyBufferInfo { buffer, layout };
+            encoder.copy_texture_to_buffer(texture.as_image_copy(), to, texture.size());
+        }
+        encoder.clear_buffer(&points.irradiance, 0, None);
+    }
+
+    fn draw(&self, encoder: &mut wgpu::CommandEncoder, canvas: &Canvas) {
+        let views = canvas.targets.each_ref().map(|t| t.create_view(&Default::default()));
         let clear =
             wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
         let attach =
@@ -199,7 +223,7 @@ impl FineTables {
             label: Some("surface"),
             color_attachments: &views.each_ref().map(attach),
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &depth.create_view(&Default::default()),
+                view: &canvas.depth,
                 depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
                 stencil_ops: None,
             }),
@@ -208,48 +232,12 @@ impl FineTables {
             multiview_mask: None,
         });
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, &bindings, &[]);
+        pass.set_bind_group(0, &canvas.view, &[]);
         pass.set_vertex_buffer(0, self.corners.slice(..));
         for (material, vertices) in &self.draws {
             pass.set_bind_group(1, material, &[]);
             pass.draw(vertices.clone(), 0..1);
         }
-    }
-
-    /// Radiance of every pixel, row by row from the top. `light` is that of the receivers and patches.
-    pub fn shade(
-        &self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        seen: &Seen,
-        light: &wgpu::Buffer,
-        glow: bool,
-        background: [f32; 3],
-    ) -> Result<wgpu::Buffer> {
-        let pixels = seen.width as usize * seen.height as usize;
-        let radiance = gpu.vectors("the picture", pixels, SMALLER)?;
-        let params = ShadeParams {
-            width: seen.width,
-            height: seen.height,
-            pitch: seen.pitch,
-            detail: seen.detail,
-            glow: f32::from(u8::from(glow)),
-            background: vec4(background, 0.0),
-            ..Default::default()
-        };
-        let buffers = [
-            &gpu.uniform("shade", &params),
-            &seen.points.position,
-            &seen.points.normal,
-            &seen.reflectance,
-            &seen.emission,
-            &self.receivers,
-            light,
-            &seen.points.irradiance,
-            &radiance,
-        ];
-        self.shade.each(gpu, encoder, &buffers.map(|b| b.as_entire_binding()), pixels);
-        Ok(radiance)
     }
 
     /// A camera over a picture of `size` pixels; `origin` is the local origin in the camera's axes.
@@ -267,6 +255,44 @@ impl FineTables {
         let view = View::perspective(eye, [right, right.cross(forward), forward], tangents, self.near);
         Ok(CameraUniform { view, eye: vec4(eye.as_vec3().to_array(), 1.0) })
     }
+}
+
+impl Canvas {
+    /// Whether it serves for pictures of `size` pixels.
+    pub fn is_for(&self, size: [u32; 2]) -> bool {
+        self.size == size
+    }
+
+    /// Radiance of every pixel, row by row from the top.
+    pub fn shade(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, glow: bool, background: [f32; 3]) {
+        let params = ShadeParams {
+            width: self.size[0],
+            height: self.size[1],
+            pitch: self.pitch,
+            detail: self.detail,
+            glow: f32::from(u8::from(glow)),
+            background: vec4(background, 0.0),
+            ..Default::default()
+        };
+        self.shade.run(gpu, encoder, &params);
+    }
+}
+
+/// Samples along the edges of a picture.
+fn samples(gpu: &Gpu, [width, height]: [u32; 2], detail: u32) -> Result<[u32; 2]> {
+    let limit = gpu.device.limits().max_texture_dimension_2d;
+    let (columns, rows) = (u64::from(width) * u64::from(detail), u64::from(height) * u64::from(detail));
+    if columns.max(rows) > u64::from(limit) || columns.min(rows) == 0 {
+        return Err(Error::TooLarge {
+            what: "the picture",
+            need: format!("{columns} x {rows} samples"),
+            adapter: gpu.adapter().to_string(),
+            limit: format!("1 to {limit} along an edge"),
+            rule: "maxTextureDimension2D",
+            remedy: SMALLER,
+        });
+    }
+    Ok([columns as u32, rows as u32])
 }
 
 /// Lower and upper corner of a cloud of points.

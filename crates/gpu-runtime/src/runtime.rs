@@ -1,21 +1,26 @@
 //! A bake on the GPU, and its frames.
 
-use std::f32::consts::PI;
+use std::{
+    f32::consts::PI,
+    sync::{Mutex, MutexGuard, PoisonError},
+};
 
 use glam::DVec3;
-use radfile::{PackedOperator, Patches, PointRows, Rows, Transfer};
+use radfile::{Patches, PointRows, Rows, Transfer};
 use scene::{Camera, LightRig, Scene};
 use serde::Serialize;
 
 use crate::{
-    Error, Gpu, Parts, Result,
+    Error, Gpu, Packed, Parts, Result, Timing,
     buffers::vec4,
     emitters,
+    frame::FrameBuffers,
     gather::{Gather, Mixture, RowTables},
     lamp::{Lamps, Studio},
-    operator::{Decode, Operator},
+    operator::Decode,
+    packed::Product,
     patch_tables::PatchTables,
-    picture::{FineTables, bounds},
+    picture::{Canvas, FineTables, bounds},
     probe,
     shadows::{Points, Shadows},
 };
@@ -33,7 +38,7 @@ pub struct Params {
     pub emitter_samples: u32,
     /// Samples along the edge of a pixel.
     pub pixel_detail: u32,
-    /// Who decodes the operator.
+    /// Who decodes an operator of textures.
     pub decode: Decode,
     /// Scrambling of sample points; the default is the CPU run time's.
     pub seed: u32,
@@ -58,7 +63,7 @@ impl Default for Params {
 pub struct Report {
     /// Name, interface and driver of the adapter.
     pub adapter: String,
-    /// Who decodes the operator: never [`Decode::Auto`].
+    /// Who decodes the operator: never [`Decode::Auto`]; hierarchical blocks are [`Decode::Stored`].
     pub decode: Decode,
     /// Relative error of the product for uniform light that the hardware's decoding would cause; none if it was not
     /// probed.
@@ -71,7 +76,7 @@ pub struct Report {
     pub receivers: usize,
     /// Samples of the scene's emissive surfaces.
     pub emitters: usize,
-    /// Bytes of the packed operator.
+    /// Bytes of the operator on the device.
     pub operator_bytes: usize,
 }
 
@@ -102,12 +107,15 @@ pub struct GpuRuntime {
     studio: Studio,
     shadows: Shadows,
     patches: PatchTables,
-    operator: Operator,
     gather: Gather,
     /// Receivers of the fine mesh, then the patches themselves.
     rows: RowTables,
     fine: FineTables,
     pixel_detail: u32,
+    /// One frame at a time.
+    frame: Mutex<FrameBuffers>,
+    /// That of the last picture; a frame is locked before.
+    canvas: Mutex<Option<Canvas>>,
 }
 
 impl GpuRuntime {
@@ -117,17 +125,17 @@ impl GpuRuntime {
     ///
     /// [`Error::Shape`] if the parts are of different numbers of patches, [`Error::TooLarge`] and
     /// [`Error::Unsupported`] if the adapter cannot hold them, [`Error::Scene`] for a texture that cannot be decoded.
-    pub fn new(
+    pub fn new<'a>(
         gpu: &Gpu,
         scene: &Scene,
         patches: &Patches,
-        packed: &PackedOperator,
+        packed: impl Into<Packed<'a>>,
         sky: &[f32],
         transfer: &Transfer,
         params: &Params,
     ) -> Result<GpuRuntime> {
-        let n = patches.len();
-        same_count("the packed operator", packed.packing.n as usize, n)?;
+        let (n, packed) = (patches.len(), packed.into());
+        same_count("the packed operator", packed.patches(), n)?;
         same_count("the sky visibility", sky.len(), n)?;
         let shape = |e: radfile::Error| Error::Shape { what: e.to_string() };
         transfer.check(n, scene.mesh.triangles.len()).map_err(shape)?;
@@ -145,6 +153,12 @@ impl GpuRuntime {
             light_samples: params.light_samples,
             resolution: params.shadow_resolution,
         };
+        let tables = PatchTables::new(gpu, patches, sky, params.patch_samples, params.seed)?;
+        let h = tables.vectors(gpu, "indirect light of patches")?;
+        let product = Product::new(gpu, packed, sampled, &tables.factors, h)?;
+        let (gather, operator_bytes) = (Gather::new(gpu), product.bytes);
+        let rows = RowTables::new(gpu, &with_patches(&transfer.rows, n), n)?;
+        let frame = FrameBuffers::new(gpu, &tables, product, &gather, &rows, transfer.rows.len())?;
         let runtime = GpuRuntime {
             report: Report {
                 adapter: gpu.adapter().to_string(),
@@ -154,16 +168,17 @@ impl GpuRuntime {
                 sample_points: n * params.patch_samples as usize,
                 receivers: transfer.rows.len(),
                 emitters: studio.emitters.len(),
-                operator_bytes: packed.size_in_bytes(),
+                operator_bytes,
             },
             studio,
             shadows: Shadows::new(gpu, &scene.mesh, params.shadow_resolution)?,
-            patches: PatchTables::new(gpu, patches, sky, params.patch_samples, params.seed)?,
-            operator: Operator::new(gpu, packed, sampled)?,
-            gather: Gather::new(gpu),
-            rows: RowTables::new(gpu, &with_patches(&transfer.rows, n), n)?,
+            patches: tables,
+            gather,
+            rows,
             fine: FineTables::new(gpu, scene, patches, transfer)?,
             pixel_detail: params.pixel_detail,
+            frame: Mutex::new(frame),
+            canvas: Mutex::default(),
             gpu: gpu.clone(),
         };
         gpu.check()?;
@@ -181,11 +196,12 @@ impl GpuRuntime {
     ///
     /// [`Error::Input`] for a light that cannot be used, [`Error::Device`].
     pub fn patch_direct(&self, rig: &LightRig) -> Result<Vec<[f32; 3]>> {
-        let lamps = self.studio.lamps(rig)?;
+        let (mut frame, lamps) = (self.frame(), self.studio.lamps(rig)?);
         let mut encoder = self.gpu.encoder();
-        let h0 = self.light_patches(&mut encoder, &lamps, &[])?;
-        let download = self.gpu.download(&mut encoder, &h0, self.patches.count);
-        let [direct] = self.gpu.finish(encoder, [download])?;
+        self.light_patches(&mut encoder, &mut frame, &lamps, &[]);
+        let [way_back, ..] = &frame.back;
+        way_back.copy(&mut encoder, &frame.h0);
+        let [direct] = self.gpu.finish(encoder, [way_back])?;
         Ok(direct)
     }
 
@@ -196,12 +212,30 @@ impl GpuRuntime {
     /// [`Error::Shape`] for another number of values than patches, [`Error::Device`].
     pub fn patch_indirect(&self, h0: &[[f32; 3]]) -> Result<Vec<[f32; 3]>> {
         same_count("the direct light", h0.len(), self.patches.count)?;
-        let mut encoder = self.gpu.encoder();
-        let h0 = self.upload("direct light of patches", h0)?;
-        let h = self.bounce(&mut encoder, &h0)?;
-        let download = self.gpu.download(&mut encoder, &h, self.patches.count);
-        let [indirect] = self.gpu.finish(encoder, [download])?;
+        let (frame, mut encoder) = (self.frame(), self.gpu.encoder());
+        frame.set_direct(&self.gpu, h0);
+        frame.bounce(&self.gpu, &mut encoder);
+        let [_, way_back, _] = &frame.back;
+        way_back.copy(&mut encoder, &frame.product.h);
+        let [indirect] = self.gpu.finish(encoder, [way_back])?;
         Ok(indirect)
+    }
+
+    /// How long the product alone takes, all its dispatches, for the direct irradiance `h0`: the median of `repeats`,
+    /// which follow each other in one submission.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for another number of values than patches, [`Error::Input`] for no repetitions or more than
+    /// 4095, [`Error::Device`].
+    pub fn time_product(&self, h0: &[[f32; 3]], repeats: u32) -> Result<Timing> {
+        same_count("the direct light", h0.len(), self.patches.count)?;
+        let (gpu, frame, mut encoder) = (&self.gpu, self.frame(), self.gpu.encoder());
+        frame.set_direct(gpu, h0);
+        frame.send(&mut encoder);
+        gpu.submit(encoder, std::iter::empty())?;
+        let (milliseconds, by) = gpu.time(repeats, |encoder| frame.product.run(gpu, encoder))?;
+        Ok(Timing { milliseconds, bytes_read: frame.product.bytes_read, by })
     }
 
     /// Irradiance at the receivers of `rows` from irradiance of the patches.
@@ -215,7 +249,7 @@ impl GpuRuntime {
         let out = rows.vectors(&self.gpu, "light of receivers")?;
         let light = self.upload("light of patches", patch_light)?;
         let mut encoder = self.gpu.encoder();
-        self.gather_into(&mut encoder, &rows, Mixture { share: 1.0, sky: [0.0; 3] }, &light, &out);
+        self.gather_into(&mut encoder, &rows, Mixture::LIGHT, &light, &out);
         let download = self.gpu.download(&mut encoder, &out, rows.count);
         let [received] = self.gpu.finish(encoder, [download])?;
         Ok(received)
@@ -227,16 +261,15 @@ impl GpuRuntime {
     ///
     /// As [`GpuRuntime::patch_direct`].
     pub fn relight(&self, rig: &LightRig) -> Result<Relit> {
-        let lamps = self.studio.lamps(rig)?;
-        let mut encoder = self.gpu.encoder();
-        let h0 = self.light_patches(&mut encoder, &lamps, &[])?;
-        let h = self.bounce(&mut encoder, &h0)?;
-        let received = self.rows.vectors(&self.gpu, "light of receivers")?;
-        self.gather_into(&mut encoder, &self.rows, Mixture { share: 1.0, sky: [0.0; 3] }, &h, &received);
-        let n = self.patches.count;
-        let downloads = [(&h0, n), (&h, n), (&received, self.report.receivers)];
-        let downloads = downloads.map(|(buffer, count)| self.gpu.download(&mut encoder, buffer, count));
-        let [direct, indirect, receivers] = self.gpu.finish(encoder, downloads)?;
+        let (gpu, mut frame, lamps) = (&self.gpu, self.frame(), self.studio.lamps(rig)?);
+        let mut encoder = gpu.encoder();
+        self.light_patches(&mut encoder, &mut frame, &lamps, &[]);
+        frame.bounce(gpu, &mut encoder);
+        frame.gather(gpu, &mut encoder, &self.rows, Mixture::LIGHT);
+        for (way_back, from) in frame.back.iter().zip([&frame.h0, &frame.product.h, &frame.received]) {
+            way_back.copy(&mut encoder, from);
+        }
+        let [direct, indirect, receivers] = gpu.finish(encoder, frame.back.each_ref())?;
         Ok(Relit { direct, indirect, receivers })
     }
 
@@ -272,24 +305,24 @@ impl GpuRuntime {
             irradiance: tables.vectors(gpu, "direct light of points")?,
             count,
         };
-        let mut encoder = gpu.encoder();
+        let (mut frame, mut encoder) = (self.frame(), gpu.encoder());
         let sky = lamps.sky.map(|l| PI * l);
         if let PointRows::Interpolated(_) = rows {
             let nothing = self.patches.vectors(gpu, "no light")?;
             self.gather_into(&mut encoder, &tables, Mixture { share: 0.0, sky }, &nothing, &points.irradiance);
         }
-        let h0 = self.light_patches(&mut encoder, &lamps, &[&points])?;
-        let h = self.bounce(&mut encoder, &h0)?;
+        self.light_patches(&mut encoder, &mut frame, &lamps, &[&points]);
+        frame.bounce(gpu, &mut encoder);
         let indirect = tables.vectors(gpu, "indirect light of points")?;
         let light = match rows {
-            PointRows::Interpolated(_) => h,
+            PointRows::Interpolated(_) => frame.product.h.clone(),
             PointRows::Gathered { .. } => {
                 let b = self.patches.vectors(gpu, "radiosity of patches")?;
-                self.patches.radiosity(gpu, &mut encoder, [&h0, &h], &b);
+                self.patches.radiosity(gpu, &mut encoder, [&frame.h0, &frame.product.h], &b);
                 b
             }
         };
-        self.gather_into(&mut encoder, &tables, Mixture { share: 1.0, sky: [0.0; 3] }, &light, &indirect);
+        self.gather_into(&mut encoder, &tables, Mixture::LIGHT, &light, &indirect);
         let downloads = [&points.irradiance, &indirect].map(|b| gpu.download(&mut encoder, b, count));
         let [mut direct, indirect] = gpu.finish(encoder, downloads)?;
         if let PointRows::Gathered { sky: seen, .. } = rows {
@@ -300,7 +333,8 @@ impl GpuRuntime {
         Ok(PointLight { direct, indirect })
     }
 
-    /// The picture that a camera takes: linear RGB radiance, W/(m² sr), row by row from the top.
+    /// The picture that a camera takes: linear RGB radiance, W/(m² sr), row by row from the top. What it is made on
+    /// stays on the device for the next one of this size, about 150 bytes a sample.
     ///
     /// # Errors
     ///
@@ -316,52 +350,52 @@ impl GpuRuntime {
     ) -> Result<Vec<[f32; 3]>> {
         let (gpu, fine, mut lamps) = (&self.gpu, &self.fine, self.studio.lamps(rig)?);
         let camera = fine.camera(camera, self.studio.origin, [width, height])?;
-        let mut encoder = gpu.encoder();
-        let seen = fine.look(gpu, &mut encoder, &camera, [width, height], self.pixel_detail)?;
-        let pixels: &[&Points] = if parts.direct { &[&seen.points] } else { &[] };
-        let h = if parts.indirect {
-            let h0 = self.light_patches(&mut encoder, &lamps, pixels)?;
-            self.bounce(&mut encoder, &h0)?
-        } else {
-            self.shadows.light(gpu, &mut encoder, &lamps.lamps, pixels);
-            self.patches.vectors(gpu, "no light")?
+        let (mut frame, mut encoder) = (self.frame(), gpu.encoder());
+        let (mut kept, size) = (self.canvas.lock().unwrap_or_else(PoisonError::into_inner), [width, height]);
+        let canvas = match kept.take().filter(|canvas| canvas.is_for(size)) {
+            Some(canvas) => canvas,
+            None => fine.canvas(gpu, size, self.pixel_detail, &frame.received)?,
         };
+        let canvas = kept.insert(canvas);
+        fine.look(gpu, &mut encoder, &camera, canvas);
+        let pixels: &[&Points] = if parts.direct { &[&canvas.points] } else { &[] };
+        if parts.indirect {
+            self.light_patches(&mut encoder, &mut frame, &lamps, pixels);
+            frame.bounce(gpu, &mut encoder);
+        } else {
+            self.shadows.light(gpu, &mut encoder, &lamps.lamps, pixels, &mut frame.lamps);
+            encoder.clear_buffer(&frame.product.h, 0, None);
+        }
         if !parts.direct {
             lamps.sky = [0.0; 3];
         }
         let mixture = Mixture { share: 1.0, sky: lamps.sky.map(|l| PI * l) };
-        let received = self.rows.vectors(gpu, "light of receivers")?;
-        self.gather_into(&mut encoder, &self.rows, mixture, &h, &received);
+        frame.gather(gpu, &mut encoder, &self.rows, mixture);
         let glow = parts.direct && rig.use_scene_emission;
-        let radiance = fine.shade(gpu, &mut encoder, &seen, &received, glow, lamps.sky)?;
-        let download = gpu.download(&mut encoder, &radiance, width as usize * height as usize);
-        let [picture] = gpu.finish(encoder, [download])?;
+        canvas.shade(gpu, &mut encoder, glow, lamps.sky);
+        canvas.back.copy(&mut encoder, &canvas.radiance);
+        let [picture] = gpu.finish(encoder, [&canvas.back])?;
         Ok(picture)
+    }
+
+    /// The buffers of a frame, once nobody else uses them. A frame sets all that it reads.
+    fn frame(&self) -> MutexGuard<'_, FrameBuffers> {
+        self.frame.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// H⁰ of the patches; the lamps light `others` as well.
     fn light_patches(
         &self,
         encoder: &mut wgpu::CommandEncoder,
+        frame: &mut FrameBuffers,
         lamps: &Lamps,
         others: &[&Points],
-    ) -> Result<wgpu::Buffer> {
+    ) {
         let points = &self.patches.points;
         encoder.clear_buffer(&points.irradiance, 0, None);
         let targets = [&[points][..], others].concat();
-        self.shadows.light(&self.gpu, encoder, &lamps.lamps, &targets);
-        let h0 = self.patches.vectors(&self.gpu, "direct light of patches")?;
-        self.patches.mean(&self.gpu, encoder, lamps.sky.map(|l| PI * l), &h0);
-        Ok(h0)
-    }
-
-    /// H of the patches after one and more bounces.
-    fn bounce(&self, encoder: &mut wgpu::CommandEncoder, h0: &wgpu::Buffer) -> Result<wgpu::Buffer> {
-        let x = self.operator.senders(&self.gpu)?;
-        let h = self.patches.vectors(&self.gpu, "indirect light of patches")?;
-        self.patches.send(&self.gpu, encoder, h0, &x);
-        self.operator.multiply(&self.gpu, encoder, &self.patches.factors, &x, &h);
-        Ok(h)
+        self.shadows.light(&self.gpu, encoder, &lamps.lamps, &targets, &mut frame.lamps);
+        frame.mean(&self.gpu, encoder, &self.patches, lamps.sky.map(|l| PI * l));
     }
 
     fn gather_into(
@@ -372,7 +406,8 @@ impl GpuRuntime {
         light: &wgpu::Buffer,
         out: &wgpu::Buffer,
     ) {
-        self.gather.run(&self.gpu, encoder, rows, mixture, light, &self.patches.sky, out);
+        let gather = self.gather.prepare(&self.gpu, rows, light, &self.patches.sky, out);
+        gather.run(&self.gpu, encoder, &mixture.params(rows));
     }
 
     fn upload(&self, what: &'static str, values: &[[f32; 3]]) -> Result<wgpu::Buffer> {
@@ -382,7 +417,8 @@ impl GpuRuntime {
 }
 
 /// Whether the hardware decodes the operator, and what the probe of it said.
-fn decide(gpu: &Gpu, packed: &PackedOperator, decode: Decode) -> Result<(bool, Option<f64>)> {
+fn decide(gpu: &Gpu, packed: Packed, decode: Decode) -> Result<(bool, Option<f64>)> {
+    let Packed::Textures(packed) = packed else { return Ok((false, None)) };
     match decode {
         Decode::Sampled => Ok((true, None)),
         Decode::Stored => Ok((false, None)),
@@ -418,9 +454,10 @@ fn same_count(part: &str, found: usize, patches: usize) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use radfile::{BlockFormat, Packing, ValueMap};
+    use radfile::{BlockFormat, PackedOperator, Packing, ValueMap};
 
     use super::*;
+    use crate::operator::Operator;
 
     #[test]
     fn without_block_textures_the_kernel_decodes_and_a_forced_sampler_is_refused() {
@@ -439,7 +476,7 @@ mod tests {
             outlier_column: vec![].into(),
             outlier_value: vec![].into(),
         };
-        assert_eq!(decide(&gpu, &packed, Decode::Auto).unwrap(), (false, None));
+        assert_eq!(decide(&gpu, (&packed).into(), Decode::Auto).unwrap(), (false, None));
         let text = Operator::new(&gpu, &packed, true).err().expect("no feature").to_string();
         assert!(text.contains("lacks block-compressed textures"), "{text}");
         assert!(text.ends_with("or use --backend cpu"), "{text}");

@@ -82,11 +82,20 @@ impl Shadows {
         })
     }
 
-    /// Adds the light of all lamps to all points.
-    pub fn light(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, lamps: &[Lamp], targets: &[&Points]) {
-        for lamp in lamps {
-            let uniform = gpu.uniform("lamp", lamp);
-            self.draw(gpu, encoder, lamp, &uniform);
+    /// Adds the light of all lamps to all points; at most once in a submission, for `uniforms` hold one lamp each.
+    /// Those that are missing are made.
+    pub fn light(
+        &self,
+        gpu: &Gpu,
+        encoder: &mut wgpu::CommandEncoder,
+        lamps: &[Lamp],
+        targets: &[&Points],
+        uniforms: &mut Vec<wgpu::Buffer>,
+    ) {
+        uniforms.extend(lamps.iter().skip(uniforms.len()).map(|lamp| gpu.uniform("lamp", lamp)));
+        for (lamp, uniform) in lamps.iter().zip(uniforms) {
+            gpu.queue.write_buffer(uniform, 0, bytemuck::bytes_of(lamp));
+            self.draw(gpu, encoder, lamp, uniform);
             for points in targets {
                 let resources = [
                     uniform.as_entire_binding(),

@@ -1,0 +1,79 @@
+//! What frames work on, made once: a later frame takes no memory on the device for it.
+
+use crate::{
+    Gpu, Result,
+    buffers::{Download, vec4},
+    gather::{Gather, Mixture, RowTables},
+    kernels::{Dispatch, Parametric},
+    packed::Product,
+    patch_tables::PatchTables,
+};
+
+/// Vectors of patches and receivers, and the kernels that are bound to them. One frame at a time.
+pub struct FrameBuffers {
+    /// Direct irradiance H⁰ of the patches.
+    pub h0: wgpu::Buffer,
+    /// All bounces, and H.
+    pub product: Product,
+    /// Irradiance of the receivers of the fine mesh.
+    pub received: wgpu::Buffer,
+    mean: Parametric,
+    send: Dispatch,
+    gather: Parametric,
+    /// One for each lamp of the frame that had most.
+    pub lamps: Vec<wgpu::Buffer>,
+    /// Ways back of H⁰, of H, and of the light of receivers.
+    pub back: [Download; 3],
+}
+
+impl FrameBuffers {
+    /// `rows` are the receivers; the first `receivers` of them are read back. `product` has the vectors x and H.
+    pub fn new(
+        gpu: &Gpu,
+        patches: &PatchTables,
+        product: Product,
+        gather: &Gather,
+        rows: &RowTables,
+        receivers: usize,
+    ) -> Result<FrameBuffers> {
+        let h0 = patches.vectors(gpu, "direct light of patches")?;
+        let received = rows.vectors(gpu, "light of receivers")?;
+        Ok(FrameBuffers {
+            mean: patches.mean(gpu, &h0),
+            send: patches.send(gpu, &h0, &product.x),
+            gather: gather.prepare(gpu, rows, &product.h, &patches.sky, &received),
+            lamps: Vec::new(),
+            back: [patches.count, patches.count, receivers].map(|count| gpu.way_back(count)),
+            h0,
+            received,
+            product,
+        })
+    }
+
+    /// Sets H⁰.
+    pub fn set_direct(&self, gpu: &Gpu, h0: &[[f32; 3]]) {
+        let wide: Vec<[f32; 4]> = h0.iter().map(|&v| vec4(v, 0.0)).collect();
+        gpu.queue.write_buffer(&self.h0, 0, bytemuck::cast_slice(&wide));
+    }
+
+    /// H⁰ from the light of the sample points; `sky` is π L.
+    pub fn mean(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, patches: &PatchTables, sky: [f32; 3]) {
+        self.mean.run(gpu, encoder, &patches.mean_params(sky));
+    }
+
+    /// x from H⁰.
+    pub fn send(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.send.run(encoder);
+    }
+
+    /// H from H⁰.
+    pub fn bounce(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
+        self.send(encoder);
+        self.product.run(gpu, encoder);
+    }
+
+    /// Light of the receivers from H.
+    pub fn gather(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, rows: &RowTables, mixture: Mixture) {
+        self.gather.run(gpu, encoder, &mixture.params(rows));
+    }
+}

@@ -1,0 +1,87 @@
+//! The two forms of the operator behind one product.
+
+use hmatrix::HMatrix;
+use radfile::PackedOperator;
+
+use crate::{
+    Gpu, Result,
+    hierarchical::Hierarchical,
+    kernels::{self, Dispatch},
+    operator::Operator,
+};
+
+/// An operator as it is stored.
+#[derive(Clone, Copy)]
+pub enum Packed<'a> {
+    /// Block-compressed textures.
+    Textures(&'a PackedOperator<'a>),
+    /// Hierarchical blocks.
+    Hierarchical(&'a HMatrix),
+}
+
+impl Packed<'_> {
+    /// Patches of the operator.
+    pub(crate) fn patches(&self) -> usize {
+        match self {
+            Packed::Textures(packed) => packed.packing.n as usize,
+            Packed::Hierarchical(matrix) => matrix.patches(),
+        }
+    }
+}
+
+impl<'a> From<&'a PackedOperator<'a>> for Packed<'a> {
+    fn from(packed: &'a PackedOperator<'a>) -> Packed<'a> {
+        Packed::Textures(packed)
+    }
+}
+
+impl<'a> From<&'a HMatrix> for Packed<'a> {
+    fn from(matrix: &'a HMatrix) -> Packed<'a> {
+        Packed::Hierarchical(matrix)
+    }
+}
+
+/// H = A^{-1/2} K x on the device.
+pub struct Product {
+    form: Form,
+    /// What patches send, scaled; as long as the form wants it.
+    pub x: wgpu::Buffer,
+    /// Irradiance of the patches after one and more bounces.
+    pub h: wgpu::Buffer,
+    /// Bytes of the operator on the device.
+    pub bytes: usize,
+    /// Bytes of the operator that a product reads; what is read twice counts twice.
+    pub bytes_read: usize,
+}
+
+enum Form {
+    /// With the buffer of √A.
+    Textures(Box<Operator>, wgpu::Buffer),
+    Hierarchical([Dispatch; 3]),
+}
+
+impl Product {
+    /// Uploads an operator. `factors` holds √A in its fourth component; `sampled` says who decodes textures.
+    pub fn new(gpu: &Gpu, packed: Packed, sampled: bool, factors: &wgpu::Buffer, h: wgpu::Buffer) -> Result<Product> {
+        match packed {
+            Packed::Textures(packed) => {
+                let operator = Operator::new(gpu, packed, sampled)?;
+                let (x, bytes) = (operator.senders(gpu)?, packed.size_in_bytes());
+                let form = Form::Textures(Box::new(operator), factors.clone());
+                Ok(Product { form, x, h, bytes, bytes_read: bytes })
+            }
+            Packed::Hierarchical(matrix) => {
+                let Hierarchical { x, product, bytes, bytes_read } = Hierarchical::new(gpu, matrix, factors, &h)?;
+                Ok(Product { form: Form::Hierarchical(product), x, h, bytes, bytes_read })
+            }
+        }
+    }
+
+    /// One product.
+    pub fn run(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
+        match &self.form {
+            Form::Textures(operator, factors) => operator.multiply(gpu, encoder, factors, &self.x, &self.h),
+            Form::Hierarchical(dispatches) => kernels::run(encoder, "product", dispatches),
+        }
+    }
+}

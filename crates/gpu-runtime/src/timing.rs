@@ -1,0 +1,120 @@
+//! How long the device works: its own timestamps where it has them, else the wall clock.
+//!
+//! Work is repeated in one submission, so that neither submitting nor waiting counts. A mark is an empty pass that
+//! notes the time when all work before it is done.
+
+use std::time::Instant;
+
+use serde::Serialize;
+
+use crate::{Error, Gpu, Result};
+
+/// Whose time it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub enum Clock {
+    /// The device's timestamps, around each repetition.
+    Timestamps,
+    /// The host's clock around whole submissions, divided by the repetitions.
+    WallClock,
+}
+
+/// How long a product takes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Timing {
+    /// Median of the repetitions, milliseconds.
+    pub milliseconds: f64,
+    /// Bytes of the operator that a product reads, those that two dispatches read twice; vectors of light do not
+    /// count.
+    pub bytes_read: usize,
+    /// Whose time it is.
+    pub by: Clock,
+}
+
+/// Bytes of each of the buffers that are copied.
+const COPIED: u64 = 128 << 20;
+/// Copies that are timed.
+const COPIES: u32 = 15;
+/// Submissions that the wall clock times.
+const SUBMISSIONS: usize = 5;
+/// Most repetitions of a submission: one less than a query set has marks.
+const MOST: u32 = wgpu::QUERY_SET_MAX_QUERIES - 1;
+
+impl Gpu {
+    /// Bytes per second / 10⁹ at which the device copies from one buffer to another, what is read and what is written
+    /// together: median of several copies of 128 MiB. Takes 256 MiB of the device's memory meanwhile.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Device`], also where the device has no such memory.
+    pub fn copy_bandwidth(&self) -> Result<f64> {
+        let size = COPIED.min(self.device.limits().max_buffer_size);
+        let usage = wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST;
+        let [from, to] = ["copied from", "copied to"].map(|what| self.empty(what, size, usage));
+        let copy = |encoder: &mut wgpu::CommandEncoder| encoder.copy_buffer_to_buffer(&from, 0, &to, 0, size);
+        let (milliseconds, _) = self.time(COPIES, copy)?;
+        Ok(2.0 * size as f64 / (1e6 * milliseconds))
+    }
+
+    /// Median milliseconds of `work`, and whose they are.
+    pub(crate) fn time(&self, repeats: u32, work: impl Fn(&mut wgpu::CommandEncoder)) -> Result<(f64, Clock)> {
+        if !(1..=MOST).contains(&repeats) {
+            return Err(Error::Input { what: format!("{repeats} repetitions were asked for, expected 1 to {MOST}") });
+        }
+        // The first time, drivers do what they have put off.
+        self.work(1, &work)?;
+        let (found, clock) = match self.has_timestamps() {
+            true => (self.by_timestamps(repeats, work)?, Clock::Timestamps),
+            false => (self.by_wall_clock(repeats, work)?, Clock::WallClock),
+        };
+        Ok((median(found), clock))
+    }
+
+    fn work(&self, repeats: u32, work: impl Fn(&mut wgpu::CommandEncoder)) -> Result<()> {
+        let mut encoder = self.encoder();
+        (0..repeats).for_each(|_| work(&mut encoder));
+        self.submit(encoder, std::iter::empty())
+    }
+
+    fn by_timestamps(&self, repeats: u32, work: impl Fn(&mut wgpu::CommandEncoder)) -> Result<Vec<f64>> {
+        let count = repeats + 1;
+        let descriptor = wgpu::QuerySetDescriptor { label: Some("marks"), ty: wgpu::QueryType::Timestamp, count };
+        let marks = self.device.create_query_set(&descriptor);
+        let size = 8 * u64::from(count);
+        let usage = wgpu::BufferUsages::QUERY_RESOLVE | wgpu::BufferUsages::COPY_SRC;
+        let resolved = self.empty("marks", size, usage);
+        let staging = self.empty("marks read back", size, wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+        let mut encoder = self.encoder();
+        for number in 0..count {
+            if number > 0 {
+                work(&mut encoder);
+            }
+            let timestamp_writes = Some(wgpu::ComputePassTimestampWrites {
+                query_set: &marks,
+                beginning_of_pass_write_index: Some(number),
+                end_of_pass_write_index: None,
+            });
+            encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("mark"), timestamp_writes });
+        }
+        encoder.resolve_query_set(&marks, 0..count, &resolved, 0);
+        encoder.copy_buffer_to_buffer(&resolved, 0, &staging, 0, size);
+        self.submit(encoder, [&staging].into_iter())?;
+        let ticks: Vec<u64> =
+            self.read(&staging, |bytes| bytes.as_chunks().0.iter().map(|b| u64::from_le_bytes(*b)).collect())?;
+        let milliseconds = 1e-6 * f64::from(self.queue.get_timestamp_period());
+        Ok(ticks.windows(2).map(|w| w[1].wrapping_sub(w[0]) as f64 * milliseconds).collect())
+    }
+
+    fn by_wall_clock(&self, repeats: u32, work: impl Fn(&mut wgpu::CommandEncoder)) -> Result<Vec<f64>> {
+        let submission = |_| {
+            let start = Instant::now();
+            self.work(repeats, &work)?;
+            Ok(1e3 * start.elapsed().as_secs_f64() / f64::from(repeats))
+        };
+        (0..SUBMISSIONS).map(submission).collect()
+    }
+}
+
+fn median(mut found: Vec<f64>) -> f64 {
+    found.sort_by(f64::total_cmp);
+    found[found.len() / 2]
+}
