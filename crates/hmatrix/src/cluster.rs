@@ -43,8 +43,9 @@ impl Tree {
     }
 }
 
-/// Patch at each place: those of a cluster of `tree` stand together.
-pub fn order(patches: &Patches, tree: Tree) -> Vec<u32> {
+/// Patch at each place: those of a cluster of `tree` stand together. Patches of different groups, the number of which is
+/// given for each patch, are apart as far as sizes of clusters allow.
+pub fn order(patches: &Patches, groups: &[u32], tree: Tree) -> Vec<u32> {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];
     for p in &patches.position {
@@ -59,22 +60,23 @@ pub fn order(patches: &Patches, tree: Tree) -> Vec<u32> {
     };
     let features: Vec<Feature> = patches.position.iter().zip(&patches.normal).map(place).collect();
     let mut order: Vec<u32> = (0..tree.n as u32).collect();
-    halve(&features, &mut order, tree.depth);
+    halve(&features, groups, &mut order, tree.depth);
     order
 }
 
 type Feature = [f64; 6];
 
-fn halve(features: &[Feature], order: &mut [u32], depth: u32) {
+fn halve(features: &[Feature], groups: &[u32], order: &mut [u32], depth: u32) {
     if depth == 0 {
         return;
     }
     let axis = principal_axis(features, order);
     let along = |p: &u32| -> f64 { axis.iter().zip(&features[*p as usize]).map(|(a, f)| a * f).sum() };
-    order.sort_by(|a, b| along(a).total_cmp(&along(b)).then(a.cmp(b)));
+    let group = |p: &u32| groups[*p as usize];
+    order.sort_by(|a, b| group(a).cmp(&group(b)).then(along(a).total_cmp(&along(b))).then(a.cmp(b)));
     let (left, right) = order.split_at_mut(order.len().div_ceil(2));
-    halve(features, left, depth - 1);
-    halve(features, right, depth - 1);
+    halve(features, groups, left, depth - 1);
+    halve(features, groups, right, depth - 1);
 }
 
 /// Direction of the largest spread, by power iteration on the covariance.

@@ -74,5 +74,5 @@ pub fn plane(operator: &Operator, order: &[u32], weights: &[i8], number: usize, 
     let largest = values.par_iter().map(|v| v.abs()).reduce(|| 0.0, f32::max);
     // Scales are f16: this leaves room above for triples that cancel and nine decimal places below.
     let unit = if largest > 0.0 { (largest / 1024.0).max(f32::MIN_POSITIVE) } else { 1.0 };
-    Matrix { n, values, unit, weights: weights.to_vec() }
+    Matrix { n, values, unit, weights: weights.to_vec(), groups: vec![0; n] }
 }

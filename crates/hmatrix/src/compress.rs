@@ -7,7 +7,7 @@ use crate::{
     Error, HMatrix, Params, Report, Result,
     cluster::{Tree, order},
     colour::{Colour, colours, plane},
-    plan::{Decisions, Plan},
+    plan::{Decisions, Matrix, Plan},
     report::Sizes,
     stream::{HEAVIEST, Parts, Plane},
     trial::Trial,
@@ -41,10 +41,12 @@ pub fn compress(
         return Err(Error::Coloured);
     }
     let tree = Tree::new(operator.n, params.leaf);
-    let order = order(patches, tree);
+    let groups = groups(operator);
+    let order = order(patches, &groups, tree);
     let weights = weights(patches, &order);
+    let groups: Vec<u32> = order.iter().map(|&patch| groups[patch as usize]).collect();
     let planes = colours(operator).into_iter().enumerate().map(|(number, colour)| {
-        let matrix = plane(operator, &order, &weights, number, colour);
+        let matrix = Matrix { groups: groups.clone(), ..plane(operator, &order, &weights, number, colour) };
         Stored { colour, plan: Plan::new(matrix, tree, number == 0, params.seed, progress) }
     });
     let candidates = Candidates { planes: planes.collect(), order, weights, tree, channels: operator.channels };
@@ -107,6 +109,17 @@ fn check(operator: &Operator, patches: &Patches) -> Result<()> {
         }),
         None => Ok(()),
     }
+}
+
+/// For each patch, which of the groups that exchange nothing it is of; the largest group is 0.
+fn groups(operator: &Operator) -> Vec<u32> {
+    let mut components = operator.components();
+    components.sort_by_key(|patches| std::cmp::Reverse(patches.len()));
+    let mut groups = vec![0; operator.n];
+    for (number, patches) in components.iter().enumerate() {
+        patches.iter().for_each(|&patch| groups[patch as usize] = number as u32);
+    }
+    groups
 }
 
 /// √A of every place in codes; 1 at least, so that no block is without weight.

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use crate::{
     block::{Block, MEAN_BYTES, MOST_TRIPLES, Shape, TRIPLE_BYTES},
     cluster::Tree,
-    sketch::{Rectangle, Triple, symmetric_triples, triples},
+    sketch::{Rectangle, Triple, apart, symmetric_triples, triples},
     small::dot,
     stream::HEAVIEST,
     stretch::Stretch,
@@ -32,11 +32,20 @@ pub struct Matrix {
     pub unit: f32,
     /// √A of the patch at each place, in codes.
     pub weights: Vec<i8>,
+    /// The group of the patch at each place; groups exchange nothing.
+    pub groups: Vec<u32>,
 }
 
 impl Matrix {
     fn stretches(&self, tree: Tree, id: Id) -> [Stretch; 2] {
-        [id.a, id.b].map(|cluster| Stretch::new(&self.weights[tree.range(id.level, cluster)]))
+        let new = if self.is_of_one_group(tree, id) { Stretch::new } else { Stretch::none };
+        [id.a, id.b].map(|cluster| new(&self.weights[tree.range(id.level, cluster)]))
+    }
+
+    /// Whether all patches of rows and columns are of one group.
+    fn is_of_one_group(&self, tree: Tree, id: Id) -> bool {
+        let of = |cluster: usize| &self.groups[tree.range(id.level, cluster)];
+        of(id.a).iter().chain(of(id.b)).all(|group| *group == of(id.a)[0])
     }
 
     fn row(&self, tree: Tree, id: Id, row: usize) -> &[f32] {
@@ -263,13 +272,21 @@ impl Candidate {
         let widened = |w: &f64, i: usize| w * dot(&exact[i * columns..][..columns], &right.along);
         let mean = left.along.iter().enumerate().map(|(i, w)| widened(w, i)).sum();
         let (leaf, diagonal) = (id.level == tree.depth, id.a == id.b);
-        let found = match (leaf, diagonal) {
-            _ if energy == 0.0 => Vec::new(),
+        let approximate = |block: Rectangle| match (leaf, diagonal) {
             // Past a third of the rank a tile is cheaper.
             (true, true) => symmetric_triples(block, RANK),
             (true, false) => triples(block, RANK.min(block.rows.div_ceil(2)), seed),
             (false, true) => Vec::new(),
             (false, false) => triples(block, RANK, seed),
+        };
+        let one_group = matrix.is_of_one_group(tree, id);
+        let found = match energy == 0.0 {
+            true => Vec::new(),
+            false if one_group => approximate(block),
+            false => {
+                let groups = [id.a, id.b].map(|cluster| &matrix.groups[tree.range(id.level, cluster)]);
+                apart(block, groups, RANK, approximate)
+            }
         };
         let quality = |t: &Triple, bits: usize| {
             let (coded, error) = code(t, matrix.unit, bits, &sides);
@@ -297,7 +314,9 @@ impl Candidate {
                 (dot(&error, &error), tile.bytes() as f64)
             }));
         }
-        Candidate { energy, mean, stretch: left.factor() * right.factor(), triples, tiles }
+        // A mean would be light from one group to another.
+        let (mean, stretch) = if one_group { (mean, left.factor() * right.factor()) } else { (0.0, 0.0) };
+        Candidate { energy, mean, stretch, triples, tiles }
     }
 
     /// The cheapest of all that is no split.

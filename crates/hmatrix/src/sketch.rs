@@ -3,6 +3,8 @@
 //! Q spans the block's image of a few random vectors; the triples of Qᵀ B are those of B as far as Q reaches. What
 //! they leave is known exactly, not estimated: ‖B‖² − Σ σ², as Q is orthonormal (Halko, Martinsson, Tropp 2011).
 
+use std::collections::BTreeSet;
+
 use crate::small::{dot, eigen, orthonormalise};
 
 /// Random vectors beyond the wanted rank.
@@ -63,6 +65,42 @@ pub fn symmetric_triples(block: Rectangle, rank: usize) -> Vec<Triple> {
     let columns = (0..block.rows).map(|i| block.row(i).to_vec()).collect();
     let pairs = eigen(columns).into_iter().take(rank).filter(|pair| pair.0 != 0.0);
     pairs.map(|(sigma, u)| Triple { sigma, u: u.into_iter().map(|x| x as f32).collect(), v: Vec::new() }).collect()
+}
+
+/// Up to `rank` triples of a block whose rows and columns are of several groups, each triple exactly 0 outside of one of
+/// them: entries between groups are 0, and stay it in any code.
+pub fn apart(
+    block: Rectangle,
+    groups: [&[u32]; 2],
+    rank: usize,
+    approximate: impl Fn(Rectangle) -> Vec<Triple>,
+) -> Vec<Triple> {
+    let all: BTreeSet<u32> = groups[0].iter().copied().collect();
+    let mut found = Vec::new();
+    for group in all {
+        let places = |side: usize| -> Vec<usize> {
+            groups[side].iter().enumerate().filter(|(_, g)| **g == group).map(|(at, _)| at).collect()
+        };
+        let (rows, columns) = (places(0), places(1));
+        let values: Vec<f64> = rows.iter().flat_map(|&i| columns.iter().map(move |&j| block.row(i)[j])).collect();
+        if values.iter().all(|v| *v == 0.0) {
+            continue;
+        }
+        let spread = |part: &[f32], places: &[usize], len: usize| {
+            let mut whole = vec![0.0; len];
+            places.iter().zip(part).for_each(|(&at, &x)| whole[at] = x);
+            whole
+        };
+        let own = approximate(Rectangle { values: &values, rows: rows.len(), columns: columns.len() });
+        found.extend(own.into_iter().map(|t| Triple {
+            sigma: t.sigma,
+            u: spread(&t.u, &rows, block.rows),
+            v: if t.v.is_empty() { t.v } else { spread(&t.v, &columns, block.columns) },
+        }));
+    }
+    found.sort_by(|a, b| b.sigma.abs().total_cmp(&a.sigma.abs()));
+    found.truncate(rank);
+    found
 }
 
 fn identity(m: usize) -> Vec<Vec<f64>> {

@@ -32,6 +32,11 @@ impl Stretch {
         Stretch { along, length, g: (1.0 + EVENNESS * weights.len() as f64).sqrt() - 1.0 }
     }
 
+    /// The same without stretching: of clusters whose patches are not all of one group, which have no even light.
+    pub fn none(weights: &[i8]) -> Stretch {
+        Stretch { g: 0.0, ..Stretch::new(weights) }
+    }
+
     /// By how much w grows.
     pub fn factor(&self) -> f64 {
         1.0 + self.g

@@ -5,7 +5,7 @@ mod common;
 
 use common::{Room, room};
 use hmatrix::{HMatrix, Params, Report, compress};
-use radfile::Quiet;
+use radfile::{Operator, Patches, Quiet};
 
 fn packed(room: &Room, error: f64) -> (HMatrix, Report) {
     compress(&room.operator, &room.patches, &Params::error(error), &Quiet).expect("a room")
@@ -47,6 +47,56 @@ fn the_furnace_keeps_its_temperature() {
     let spread = (0..n).map(|i| deviation(i).abs()).sum::<f64>() / n as f64;
     assert!(mean.abs() < 5e-4, "light that is gained or lost: {mean}");
     assert!(spread < 5e-3, "mean deviation of a row: {spread}");
+}
+
+/// The first `count` patches again, moved along x.
+fn append_copy(p: &mut Patches, count: usize, distance: f32) {
+    for i in 0..count {
+        p.position.push([p.position[i][0] + distance, p.position[i][1], p.position[i][2]]);
+        p.normal.push(p.normal[i]);
+        p.area.push(p.area[i]);
+        p.reflectance.push(p.reflectance[i]);
+        p.emission.push(p.emission[i]);
+        p.pieces.push(p.pieces[i]);
+        p.piece_start.push(p.pieces.len() as u32);
+    }
+}
+
+/// Two rooms that share no light, wall to wall, and a patch that sees nothing: so clusters hold patches of several.
+fn two_rooms(cells: usize) -> Room {
+    let (mut both, n) = (room(cells, 3), 6 * cells * cells);
+    let single = both.operator.clone();
+    append_copy(&mut both.patches, n, 4.01);
+    append_copy(&mut both.patches, 1, 9.0);
+    let size = 2 * n + 1;
+    let mut values = vec![0.0; 3 * size * size];
+    for c in 0..3 {
+        for (at, value) in single.channel(c).iter().enumerate() {
+            let (i, j) = (at / n, at % n);
+            for (half, brightness) in [(0, 1.0), (n, 0.25)] {
+                values[(c * size + half + i) * size + half + j] = brightness * value;
+            }
+        }
+    }
+    both.operator = Operator { n: size, channels: 3, bounces: None, values: values.into() };
+    both
+}
+
+#[test]
+fn no_light_gets_from_a_sealed_room_to_another() {
+    let rooms = two_rooms(7);
+    let n = rooms.patches.len();
+    let (matrix, report) = packed(&rooms, 0.01);
+    assert!(report.l2_mean < 0.013, "{report:?}");
+    for lit in [0..n / 2, n / 2..n - 1] {
+        let x: Vec<[f32; 3]> = (0..n).map(|i| if lit.contains(&i) { [3.0, 1.0, 0.1] } else { [0.0; 3] }).collect();
+        let mut y = vec![[0.0; 3]; n];
+        matrix.multiply(&x, &mut y, &mut matrix.workspace());
+        for (i, y) in y.iter().enumerate() {
+            assert!(lit.contains(&i) || *y == [0.0; 3], "patch {i} of the dark room has {y:?}");
+            assert!(!lit.contains(&i) || y[0] > 0.0, "patch {i} of the lit room has {y:?}");
+        }
+    }
 }
 
 #[test]

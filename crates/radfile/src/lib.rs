@@ -38,6 +38,7 @@ compile_error!("a .rad file is little-endian and is mapped without conversion; b
 
 mod builder;
 mod bytes;
+mod components;
 mod container;
 mod diff;
 mod element;
