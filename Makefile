@@ -35,11 +35,16 @@ VOXEL_SIMPLIFY ?=
 FORMFACTOR ?=
 SERIES ?=
 PERMUTE ?=
+# How the operator is packed: hmatrix or dxt-pack.
+OPERATOR ?= hmatrix
+HMATRIX ?=
 DXT_PACK ?=
 TRANSFER ?=
 
 # Prints one stage and runs it: $(call stage,name,input,options)
 stage = $(ALLBOUNCE) $(1) $(2) -o $@ $(3) --report $(@:.rad=.json)
+
+PACKING = $(if $(filter dxt-pack,$(OPERATOR)),$(DXT_PACK),$(HMATRIX))
 
 # A file that changes only when the options of a stage do: $(call remember,options)
 remember = @mkdir -p $(@D); echo '$(1)' | cmp -s - $@ || echo '$(1)' > $@
@@ -61,9 +66,9 @@ $(BAKE_DIR)/3-series.rad: $(BAKE_DIR)/2-formfactor.rad $(BAKE_DIR)/.series | bui
 	$(call stage,series,$<,$(SERIES))
 $(BAKE_DIR)/4-permute.rad: $(BAKE_DIR)/3-series.rad $(BAKE_DIR)/.permute | build
 	$(call stage,permute,$<,$(PERMUTE))
-$(BAKE_DIR)/5-dxt-pack.rad: $(BAKE_DIR)/4-permute.rad $(BAKE_DIR)/.dxt-pack | build
-	$(call stage,dxt-pack,$<,$(DXT_PACK))
-$(BAKE_DIR)/6-transfer.rad: $(BAKE_DIR)/5-dxt-pack.rad $(BAKE_DIR)/.transfer | build
+$(BAKE_DIR)/5-$(OPERATOR).rad: $(BAKE_DIR)/4-permute.rad $(BAKE_DIR)/.$(OPERATOR) | build
+	$(call stage,$(OPERATOR),$<,$(PACKING))
+$(BAKE_DIR)/6-transfer.rad: $(BAKE_DIR)/5-$(OPERATOR).rad $(BAKE_DIR)/.transfer | build
 	$(call stage,transfer,$<,$(TRANSFER))
 
 # Scenes of the same name in different folders share a folder here, so the path is remembered, too.
@@ -75,10 +80,10 @@ $(BAKE_DIR)/.series: FORCE
 	$(call remember,$(SERIES))
 $(BAKE_DIR)/.permute: FORCE
 	$(call remember,$(PERMUTE))
-$(BAKE_DIR)/.dxt-pack: FORCE
-	$(call remember,$(DXT_PACK))
+$(BAKE_DIR)/.$(OPERATOR): FORCE
+	$(call remember,$(PACKING))
 $(BAKE_DIR)/.transfer: FORCE
-	$(call remember,$(TRANSFER))
+	$(call remember,$(OPERATOR) $(TRANSFER))
 else
 bake:
 	@echo 'which scene? make bake SCENE=path/to/room.glb [VOXEL_SIMPLIFY="--patches 3000"] …' >&2; exit 2

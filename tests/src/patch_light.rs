@@ -3,7 +3,7 @@
 //! The program answers at points, which adds interpolation. What is exact for patches is asked of the functions that
 //! the program calls.
 
-use radfile::{Container, Operator, PackedOperator, Patches, Quiet, Record, read_sky};
+use radfile::{Container, Operator, Patches, Quiet, Record, read_sky};
 use relight::{DirectLight, PatchSamples, patch_irradiance};
 use scene::{LightRig, Rays, Scene, Surfaces};
 use serde_json::Value;
@@ -27,7 +27,7 @@ impl PatchLight {
         let light = DirectLight::new(&scene, &surfaces, &rays, &rig);
         let sky = read_sky(bake).expect("the sky");
         let direct = patch_irradiance(&light, &patches, sky, &PatchSamples::default(), &Quiet);
-        let packed = relight::indirect(&patches, &PackedOperator::read(bake).expect("a packed operator"), &direct);
+        let packed = relight::indirect(&patches, &relight::Operator::read(bake).expect("a packed operator"), &direct);
         let wide = |values: Vec<[f32; 3]>| values.into_iter().map(|v| v.map(f64::from)).collect::<Vec<_>>();
         let direct = wide(direct);
         let indirect = all_bounces(&patches, &Operator::read(bake).expect("the operator"), &direct);

@@ -14,7 +14,7 @@ use allbounce_tests::{
     text,
 };
 
-const READERS: [&str; 5] = ["formfactor", "series", "permute", "dxt-pack", "transfer"];
+const READERS: [&str; 6] = ["formfactor", "series", "permute", "hmatrix", "dxt-pack", "transfer"];
 
 /// Neither a panic nor a signal: an exit code that the program chose, and a clean folder after a refusal.
 #[track_caller]
@@ -69,7 +69,7 @@ fn damaged_and_foreign_containers_are_refused_by_every_stage() {
         }
     }
     // a sound container from too early in the chain
-    for stage in ["series", "dxt-pack"] {
+    for stage in ["series", "hmatrix", "dxt-pack"] {
         let run = allbounce([stage, &text(&files[0]), "-o", &text(&out), "-q"]);
         run.refused(&["is missing; it is written by"]);
     }

@@ -13,18 +13,24 @@ use allbounce_tests::{
 };
 use radfile::Container;
 
-const STAGES: [&str; 5] = ["formfactor", "series", "permute", "dxt-pack", "transfer"];
+/// Stages between the first and the last, for each way to pack the operator.
+const HIERARCHICAL: [&str; 5] = ["formfactor", "series", "permute", "hmatrix", "transfer"];
+const ONE_BOUNCE: [&str; 4] = ["formfactor", "permute", "hmatrix", "transfer"];
+const TEXTURES: [&str; 5] = ["formfactor", "series", "permute", "dxt-pack", "transfer"];
 
 /// Bakes the Cornell box stage by stage; returns the files.
-fn chain(folder: &Path) -> Vec<PathBuf> {
+fn chain(folder: &Path, stages: &[&str], of_hmatrix: &[&str]) -> Vec<PathBuf> {
     let mut files = vec![folder.join("voxel-simplify.rad")];
     let cornell = asset("cornell/cornell.obj");
     allbounce(["voxel-simplify", &cornell, "-o", &text(&files[0]), "--patches", "300", "-q"]).done();
-    for stage in STAGES {
+    for &stage in stages {
         let (input, output) = (text(files.last().expect("a file")), folder.join(format!("{stage}.rad")));
         let mut args = vec![stage.to_owned(), input, "-o".into(), text(&output), "-q".into()];
         if stage == "formfactor" {
             args.extend(["--rays".into(), "512".into()]);
+        }
+        if stage == "hmatrix" {
+            args.extend(of_hmatrix.iter().map(|s| s.to_string()));
         }
         allbounce(args).done();
         files.push(output);
@@ -45,11 +51,18 @@ fn bake(folder: &Path, extra: &[&str]) -> PathBuf {
 #[test]
 fn a_bake_is_the_chain_of_its_stages_and_the_same_for_any_thread_count() {
     let folder = tempfile::tempdir().expect("a folder");
-    let last = std::fs::read(chain(folder.path()).pop().expect("a file")).expect("bytes");
-    let one = std::fs::read(bake(folder.path(), &["--threads", "1"])).expect("bytes");
-    let two = std::fs::read(bake(folder.path(), &["--threads", "2"])).expect("bytes");
-    assert!(one == two, "1 and 2 threads differ");
-    assert!(one == last, "bake and chain differ");
+    let ways: [(&[&str], &[&str], &[&str]); 3] = [
+        (&HIERARCHICAL, &[], &[]),
+        (&ONE_BOUNCE, &["--kernel", "one-bounce"], &["--kernel", "one-bounce"]),
+        (&TEXTURES, &[], &["--operator", "textures"]),
+    ];
+    for (stages, of_hmatrix, of_bake) in ways {
+        let last = std::fs::read(chain(folder.path(), stages, of_hmatrix).pop().expect("a file")).expect("bytes");
+        let with = |threads| bake(folder.path(), &[of_bake, &["--threads", threads]].concat());
+        let [one, two] = ["1", "2"].map(|threads| std::fs::read(with(threads)).expect("bytes"));
+        assert!(one == two, "1 and 2 threads differ: {of_bake:?}");
+        assert!(one == last, "bake and chain differ: {of_bake:?}");
+    }
 }
 
 #[test]
@@ -61,7 +74,7 @@ fn a_bake_needs_nothing_else_and_answers_points_vertices_and_pictures() {
     assert!(!container.has("series.values") && !container.has("formfactor.values"), "dense matrices are dropped");
     allbounce(["verify", bake]).done();
     let shown = allbounce(["inspect", bake]).done().stdout;
-    assert!(shown.contains("dxt-pack --format bc4-sqrt") && shown.contains("patches.area"), "{shown}");
+    assert!(shown.contains("hmatrix --operator-error 0.01") && shown.contains("patches.area"), "{shown}");
 
     let (points, out) = (folder.path().join("p.csv"), folder.path().join("e.csv"));
     std::fs::write(&points, "id,px,py,pz,nx,ny,nz\n7,0.28,0,0.1,0,1,0\n8,0.28,0.5488,0.1,0,-1,0\n").expect("a file");
@@ -187,9 +200,8 @@ fn make_bake_reruns_only_what_depends_on_a_change() {
         let output = command.current_dir(root()).env_remove("MAKEFLAGS").output().expect("make starts");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let said = String::from_utf8_lossy(&output.stdout).into_owned();
-        ["voxel-simplify"]
+        ["voxel-simplify", "formfactor", "series", "permute", "hmatrix", "dxt-pack", "transfer"]
             .iter()
-            .chain(&STAGES)
             .filter(|s| said.contains(&format!("allbounce {s} ")))
             .map(|s| s.to_string())
             .collect::<Vec<_>>()
@@ -198,7 +210,9 @@ fn make_bake_reruns_only_what_depends_on_a_change() {
     assert_eq!(make("PERMUTE="), Vec::<String>::new());
     let series = std::fs::File::options().append(true).open(folder.path().join("3-series.rad")).expect("the file");
     series.set_modified(std::time::SystemTime::now()).expect("touched");
-    assert_eq!(make("PERMUTE="), ["permute", "dxt-pack", "transfer"]);
-    assert_eq!(make("PERMUTE=--order morton"), ["permute", "dxt-pack", "transfer"]);
+    assert_eq!(make("PERMUTE="), ["permute", "hmatrix", "transfer"]);
+    assert_eq!(make("PERMUTE=--order morton"), ["permute", "hmatrix", "transfer"]);
     assert_eq!(make("PERMUTE=--order morton"), Vec::<String>::new());
+    assert_eq!(make("OPERATOR=dxt-pack"), ["permute", "dxt-pack", "transfer"]);
+    assert_eq!(make("OPERATOR=hmatrix"), ["hmatrix", "transfer"], "another operator is another bake");
 }

@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
+use clap::ValueEnum;
 use radfile::{Builder, Container, Sink};
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::{
-    dxt_pack, files, formfactor, permute, series,
+    dxt_pack, files, formfactor, hmatrix, permute, series,
     session::Session,
     stage::{self, Stage},
     transfer, voxel_simplify,
@@ -32,10 +33,24 @@ pub struct Args {
     series: series::Options,
     #[command(flatten)]
     permute: permute::Options,
+    /// How the operator is packed
+    #[arg(long, value_enum, default_value = "hmatrix")]
+    operator: Operator,
+    #[command(flatten)]
+    hmatrix: hmatrix::Options,
     #[command(flatten)]
     dxt_pack: dxt_pack::Options,
     #[command(flatten)]
     transfer: transfer::Options,
+}
+
+/// The tiers of packed operators.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Operator {
+    /// Hierarchical blocks: the fewest bytes and the fastest product
+    Hmatrix,
+    /// Block-compressed textures, decoded by any graphics card
+    Textures,
 }
 
 #[derive(Serialize)]
@@ -47,14 +62,25 @@ struct Report {
 
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     files::check_outputs(&session.outputs(&args.output), &[("the scene", &args.scene)])?;
+    if args.dxt_pack.format.is_some() && args.operator != Operator::Textures {
+        bail!("--format is about textures, but the operator becomes hierarchical blocks; add --operator textures");
+    }
     let mut stages = Vec::new();
     let mut current = None;
     let report = voxel_simplify::apply(&args.scene, &args.voxel_simplify, session, &mut keep(&mut current))?;
     stages.push(serde_json::to_value(report)?);
     link(&args.formfactor, &mut current, &mut stages, session)?;
-    link(&args.series, &mut current, &mut stages, session)?;
+    let packing = hmatrix::Packing { options: args.hmatrix.clone(), keep_dense: args.dxt_pack.keep_dense };
+    let hierarchical = args.operator == Operator::Hmatrix;
+    if !(hierarchical && packing.options.is_one_bounce()) {
+        link(&args.series, &mut current, &mut stages, session)?;
+    }
     link(&args.permute, &mut current, &mut stages, session)?;
-    link(&args.dxt_pack, &mut current, &mut stages, session)?;
+    if hierarchical {
+        link(&packing, &mut current, &mut stages, session)?;
+    } else {
+        link(&args.dxt_pack, &mut current, &mut stages, session)?;
+    }
 
     let packed = taken(&mut current)?;
     let report = stage::apply(&args.transfer, &packed, session, &mut |b| b.write_file(&args.output))?;

@@ -30,8 +30,9 @@ pub struct Args {
 pub struct Options {
     /// As published: logarithm, three channels in one BC1 texture (paper); logarithm or square root, one BC4
     /// texture a channel (bc4-log, bc4-sqrt)
-    #[arg(long, default_value = "bc4-sqrt", value_parser = PossibleValuesParser::new(Params::PRESETS.map(|(name, _)| name)))]
-    format: String,
+    /// [default: bc4-sqrt]
+    #[arg(long, value_parser = PossibleValuesParser::new(Params::PRESETS.map(|(name, _)| name)))]
+    pub format: Option<String>,
     /// Share of the values that are kept apart as they are too large for the map [0..=1]
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = numbers::share)]
     outliers: f64,
@@ -40,12 +41,16 @@ pub struct Options {
     shift: f32,
     /// Keep form factors and the dense operator in the file
     #[arg(long)]
-    keep_dense: bool,
+    pub keep_dense: bool,
 }
 
 impl Options {
+    fn format(&self) -> &str {
+        self.format.as_deref().unwrap_or("bc4-sqrt")
+    }
+
     fn params(&self) -> Params {
-        let named = Params::PRESETS.into_iter().find(|(name, _)| *name == self.format);
+        let named = Params::PRESETS.into_iter().find(|(name, _)| *name == self.format());
         let preset = named.map_or_else(Params::default, |(_, preset)| preset);
         Params { outliers: self.outliers, shift: self.shift, keep_dense: self.keep_dense, ..preset }
     }
@@ -59,7 +64,7 @@ impl Stage for Options {
         let logarithmic = self.params().map == MapKind::Log;
         let shift = if logarithmic { format!(" --shift {}", self.shift) } else { String::new() };
         let keep = if self.keep_dense { " --keep-dense" } else { "" };
-        format!("--format {} --outliers {}{shift}{keep}", self.format, self.outliers)
+        format!("--format {} --outliers {}{shift}{keep}", self.format(), self.outliers)
     }
 
     fn memory(&self, input: &Container) -> anyhow::Result<(u64, &'static str)> {

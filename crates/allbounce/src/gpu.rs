@@ -1,7 +1,7 @@
 //! The GPU backend of `relight` and `render`; without the `gpu` feature it says so.
 
 use radfile::PointRows;
-use relight::{Image, Parts, PointLight};
+use relight::{Image, Operator, Parts, PointLight};
 use scene::{Camera, LightRig, SurfacePoint};
 
 use crate::runtime::Bake;
@@ -13,6 +13,7 @@ use crate::runtime::Bake;
 pub fn relight(
     bounces: Option<u32>,
     bake: &Bake,
+    operator: &Operator,
     rig: &LightRig,
     points: &[SurfacePoint],
     rows: &PointRows,
@@ -20,7 +21,7 @@ pub fn relight(
     if bounces.is_some() {
         anyhow::bail!("--bounces is computed from form factors on the CPU; use --backend cpu");
     }
-    let runtime = runtime(bake)?;
+    let runtime = runtime(bake, operator)?;
     let position: Vec<[f32; 3]> = points.iter().map(|p| p.position.to_array()).collect();
     let normal: Vec<[f32; 3]> = points.iter().map(|p| p.normal.to_array()).collect();
     let light = runtime.relight_points(rig, &position, &normal, rows)?;
@@ -31,24 +32,31 @@ pub fn relight(
 #[cfg(feature = "gpu")]
 pub fn render(
     bake: &Bake,
+    operator: &Operator,
     rig: &LightRig,
     camera: &Camera,
-    width: usize,
-    height: usize,
+    [width, height]: [usize; 2],
     parts: Parts,
 ) -> anyhow::Result<(Image, String)> {
-    let runtime = runtime(bake)?;
+    let runtime = runtime(bake, operator)?;
     let parts = gpu_runtime::Parts { direct: parts != Parts::IndirectOnly, indirect: parts != Parts::DirectOnly };
     let pixels = runtime.render(rig, camera, width as u32, height as u32, parts)?;
     Ok((Image { width, height, pixels }, runtime.report().adapter.clone()))
 }
 
 #[cfg(feature = "gpu")]
-fn runtime(bake: &Bake) -> anyhow::Result<gpu_runtime::GpuRuntime> {
-    let gpu = gpu_runtime::Gpu::new()?;
-    let (packed, params) = (bake.packed()?, gpu_runtime::Params::default());
+fn runtime(bake: &Bake, operator: &Operator) -> anyhow::Result<gpu_runtime::GpuRuntime> {
+    use radfile::Kernel::OneBounce;
+    let packed = match operator {
+        Operator::Textures(packed) => gpu_runtime::Packed::Textures(packed),
+        Operator::Hierarchical(_, certificate) if certificate.kernel == OneBounce => {
+            anyhow::bail!("the bake holds one bounce, which is solved on the CPU; use --backend cpu")
+        }
+        Operator::Hierarchical(matrix, _) => gpu_runtime::Packed::Hierarchical(matrix),
+    };
+    let (gpu, params) = (gpu_runtime::Gpu::new()?, gpu_runtime::Params::default());
     let (scene, patches) = (&bake.scene, &bake.patches);
-    Ok(gpu_runtime::GpuRuntime::new(&gpu, scene, patches, &packed, bake.sky()?, &bake.transfer, &params)?)
+    Ok(gpu_runtime::GpuRuntime::new(&gpu, scene, patches, packed, bake.sky()?, &bake.transfer, &params)?)
 }
 
 #[cfg(not(feature = "gpu"))]
@@ -58,6 +66,7 @@ const ABSENT: &str = "this program was built without the gpu feature; use --back
 pub fn relight(
     _bounces: Option<u32>,
     _bake: &Bake,
+    _operator: &Operator,
     _rig: &LightRig,
     _points: &[SurfacePoint],
     _rows: &PointRows,
@@ -68,10 +77,10 @@ pub fn relight(
 #[cfg(not(feature = "gpu"))]
 pub fn render(
     _bake: &Bake,
+    _operator: &Operator,
     _rig: &LightRig,
     _camera: &Camera,
-    _width: usize,
-    _height: usize,
+    _size: [usize; 2],
     _parts: Parts,
 ) -> anyhow::Result<(Image, String)> {
     anyhow::bail!(ABSENT)

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use radfile::{Container, Mesh, PackedOperator, Patches, Provenance, Record, Section, Transfer};
+use radfile::{Container, HierarchicalOperator, Mesh, PackedOperator, Patches, Provenance, Record, Section, Transfer};
 use serde::Serialize;
 
 use crate::{files, memory, session::Session};
@@ -90,6 +90,22 @@ fn contents(c: &Container) -> anyhow::Result<Vec<String>> {
             p.map,
             packed.outlier_column.len(),
             memory::size(bytes as u64)
+        ));
+    }
+    if c.has("hmatrix.meta") {
+        let packed = HierarchicalOperator::read(c)?;
+        let (k, bytes) = (&packed.certificate, packed.blocks.len());
+        lines.push(format!(
+            "hierarchical operator: {} × {0}, {} channel(s), {:?}, {} ({:.4} bytes per n²), measured error {:.2} % (wanted {:.2} %), \
+             99 % of what is seen within {:.1} %",
+            k.n,
+            k.channels,
+            k.kernel,
+            memory::size(bytes as u64),
+            bytes as f64 / f64::from(k.n).powi(2),
+            100.0 * k.l2_mean,
+            100.0 * k.error_wanted,
+            100.0 * k.vis99
         ));
     }
     if c.has("transfer.row_start") {

@@ -9,6 +9,7 @@ mod dxt_pack;
 mod files;
 mod formfactor;
 mod gpu;
+mod hmatrix;
 mod inspect;
 mod memory;
 mod numbers;
@@ -63,6 +64,7 @@ enum Command {
     Series(stage::Args<series::Options>),
     Permute(stage::Args<permute::Options>),
     DxtPack(dxt_pack::Args),
+    Hmatrix(stage::Args<hmatrix::Packing>),
     Transfer(stage::Args<transfer::Options>),
     Relight(relight::Args),
     Render(render::Args),
@@ -92,6 +94,7 @@ fn run(command: &Command, session: &Session) -> anyhow::Result<()> {
         Command::Series(args) => stage::run(args, session),
         Command::Permute(args) => stage::run(args, session),
         Command::DxtPack(args) => dxt_pack::run(args, session),
+        Command::Hmatrix(args) => stage::run(args, session),
         Command::Transfer(args) => stage::run(args, session),
         Command::Relight(args) => relight::run(args, session),
         Command::Render(args) => render::run(args, session),

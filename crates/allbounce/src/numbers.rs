@@ -40,3 +40,9 @@ pub fn relative_error(text: &str) -> Result<f64, String> {
     let value = number.trim().parse::<f64>().map(|v| v * factor);
     value.ok().filter(|v| *v > 0.0 && *v <= 1.0).ok_or_else(|| "expected a relative error such as 1%".into())
 }
+
+/// A relative error that an operator can be packed with.
+pub fn operator_error(text: &str) -> Result<f64, String> {
+    let fits = |v: &f64| (0.0005..=0.5).contains(v);
+    relative_error(text).ok().filter(fits).ok_or_else(|| "expected a relative error from 0.05% to 50%".into())
+}

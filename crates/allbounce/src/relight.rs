@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use radfile::{FormFactors, PointRows, Record};
-use relight::{DirectLight, Frame, PatchSamples, PointLight, Relighter, Samples};
+use relight::{DirectLight, Frame, Operator, PatchSamples, PointLight, Relighter, Samples};
 use scene::{LightRig, Rays, SurfacePoint};
 use serde::Serialize;
 use transfer::GatherParams;
@@ -80,12 +80,18 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
             named()
         );
     }
+    let operator = bake.operator().with_context(named)?;
     let rays = Rays::new(&bake.scene.mesh);
-    let transfer = transfer_of(args, &bake).with_context(named)?;
+    let transfer = transfer_of(args, &operator).with_context(named)?;
     let (points, surface, rows) = receivers(args, transfer, &bake, &rays, session)?;
     let (mut light, backend) = match args.light.backend {
-        Backend::Cpu => (on_cpu(args, &bake, &rig, &rays, &surface, &rows, session).with_context(named)?, "cpu".into()),
-        Backend::Gpu => crate::gpu::relight(args.bounces, &bake, &rig, &surface, &rows).with_context(named)?,
+        Backend::Cpu => {
+            let light = on_cpu(args, &bake, &operator, &rig, &rays, &surface, &rows, session);
+            (light.with_context(named)?, "cpu".into())
+        }
+        Backend::Gpu => {
+            crate::gpu::relight(args.bounces, &bake, &operator, &rig, &surface, &rows).with_context(named)?
+        }
     };
     args.light.blank(&mut light.direct, &mut light.indirect);
     if !light.direct.iter().chain(&light.indirect).flatten().all(|v| v.is_finite()) {
@@ -102,7 +108,7 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     }
     let report = Report {
         backend,
-        bounces: args.bounces.map_or_else(|| bake.bounces(), |k| Ok(format!("the first {k}")))?,
+        bounces: runtime::bounces_in_words(args.bounces.or(operator.bounces())),
         transfer: match rows {
             PointRows::Interpolated(_) => "interpolated",
             PointRows::Gathered { .. } => "gathered",
@@ -118,8 +124,8 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
 }
 
 /// How light gets to the points. A last gather is a bounce of its own, so it must know how many come before it.
-fn transfer_of(args: &Args, bake: &Bake) -> anyhow::Result<Transfer> {
-    let held = if args.bounces.is_none() { bake.packed()?.packing.bounces } else { None };
+fn transfer_of(args: &Args, operator: &Operator) -> anyhow::Result<Transfer> {
+    let held = if args.bounces.is_none() { operator.bounces() } else { None };
     match (args.transfer, held) {
         (Some(Transfer::Gather), Some(k)) => bail!(
             "the operator holds the first {k} bounces and a last gather would add one; use --transfer interpolate"
@@ -177,17 +183,18 @@ fn points_without_patches(rows: &PointRows) -> usize {
     (0..rows.rows().len()).filter(empty).count()
 }
 
+#[allow(clippy::too_many_arguments, reason = "a frame is made of all of them")]
 fn on_cpu(
     args: &Args,
     bake: &Bake,
+    operator: &Operator,
     rig: &LightRig,
     rays: &Rays,
     points: &[SurfacePoint],
     rows: &PointRows,
     session: &Session,
 ) -> anyhow::Result<PointLight> {
-    let packed = bake.packed()?;
-    let relighter = Relighter::new(&bake.scene, rays, &bake.patches, &packed, bake.sky()?)?;
+    let relighter = Relighter::new(&bake.scene, rays, &bake.patches, operator, bake.sky()?)?;
     let light = relighter.direct_light(rig);
     // A last gather is the last of the bounces.
     let last = u32::from(matches!(rows, PointRows::Gathered { .. }));

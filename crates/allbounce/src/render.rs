@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
-use relight::{Image, Look, PatchSamples, Relighter, Shown};
+use relight::{Image, Look, Operator, PatchSamples, Relighter, Shown};
 use scene::{Camera, LightRig, Rays};
 use serde::Serialize;
 
@@ -67,10 +67,12 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let bake = Bake::open(&args.bake)?;
     let rig = args.light.rig(&bake, session)?;
     let camera = runtime::camera(&args.camera, &bake.scene)?;
+    let operator = bake.operator().with_context(|| args.bake.display().to_string())?;
     let (image, backend) = match args.light.backend {
-        Backend::Cpu => (on_cpu(args, &bake, &rig, &camera, session)?, "cpu".to_owned()),
+        Backend::Cpu => (on_cpu(args, &bake, &operator, &rig, &camera, session)?, "cpu".to_owned()),
         Backend::Gpu => {
-            crate::gpu::render(&bake, &rig, &camera, args.width.into(), args.height.into(), args.light.parts())?
+            let size = [args.width, args.height].map(usize::from);
+            crate::gpu::render(&bake, &operator, &rig, &camera, size, args.light.parts())?
         }
     };
     if !image.pixels.as_flattened().iter().all(|v| v.is_finite()) {
@@ -80,7 +82,7 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let mean = |c: usize| image.pixels.iter().map(|p| f64::from(p[c])).sum::<f64>() / pixels as f64;
     let report = Report {
         backend,
-        bounces: bake.bounces()?,
+        bounces: runtime::bounces_in_words(operator.bounces()),
         width: image.width,
         height: image.height,
         mean_radiance: std::array::from_fn(mean),
@@ -91,11 +93,17 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     session.finish(&report)
 }
 
-fn on_cpu(args: &Args, bake: &Bake, rig: &LightRig, camera: &Camera, session: &Session) -> anyhow::Result<Image> {
+fn on_cpu(
+    args: &Args,
+    bake: &Bake,
+    operator: &Operator,
+    rig: &LightRig,
+    camera: &Camera,
+    session: &Session,
+) -> anyhow::Result<Image> {
     let rays = Rays::new(&bake.scene.mesh);
-    let packed = bake.packed()?;
     let named = || args.bake.display().to_string();
-    let relighter = Relighter::new(&bake.scene, &rays, &bake.patches, &packed, bake.sky()?).with_context(named)?;
+    let relighter = Relighter::new(&bake.scene, &rays, &bake.patches, operator, bake.sky()?).with_context(named)?;
     let light = relighter.direct_light(rig);
     let progress = session.progress();
     let frame = relighter.frame(&light, &PatchSamples::default(), &progress);

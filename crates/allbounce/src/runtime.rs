@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::Context;
-use radfile::{Container, PackedOperator, Patches, Record, Transfer};
-use relight::Parts;
+use radfile::{Container, Patches, Record, Transfer};
+use relight::{Operator, Parts};
 use scene::{Camera, LightRig, Scene};
 
 use crate::{files, session::Session};
@@ -29,19 +29,19 @@ impl Bake {
     }
 
     /// The packed operator.
-    pub fn packed(&self) -> anyhow::Result<PackedOperator<'_>> {
-        Ok(PackedOperator::read(&self.container)?)
-    }
-
-    /// Which bounces the packed operator holds, in words.
-    pub fn bounces(&self) -> anyhow::Result<String> {
-        Ok(self.packed()?.packing.bounces.map_or_else(|| "all".into(), |k| format!("the first {k}")))
+    pub fn operator(&self) -> anyhow::Result<Operator<'_>> {
+        Ok(Operator::read(&self.container)?)
     }
 
     /// What each patch sees of the sky.
     pub fn sky(&self) -> anyhow::Result<&[f32]> {
         Ok(radfile::read_sky(&self.container)?)
     }
+}
+
+/// Bounces of a frame in words.
+pub fn bounces_in_words(bounces: Option<u32>) -> String {
+    bounces.map_or_else(|| "all".into(), |k| format!("the first {k}"))
 }
 
 /// Share of the surface above which emitting materials are more than lamps.

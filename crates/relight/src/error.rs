@@ -17,6 +17,12 @@ pub enum Error {
         /// Number of patches.
         expected: usize,
     },
+    /// A section that is missing or broken.
+    #[error(transparent)]
+    Container(#[from] radfile::Error),
+    /// Hierarchical blocks that are broken.
+    #[error(transparent)]
+    Hierarchical(#[from] hmatrix::Error),
     /// A texture that cannot be decoded.
     #[error(transparent)]
     Scene(#[from] scene::Error),

@@ -5,7 +5,7 @@
 //!
 //! - [`DirectLight`]: irradiance of all lights of a rig at any point, with shadow rays.
 //! - [`patch_irradiance`]: the same, averaged over patches.
-//! - [`multiply`], [`indirect`]: the product with the packed operator, all bounces at once.
+//! - [`Operator`]: the packed operator of a bake and its product; [`Bounces`]: all bounces of a frame at once.
 //! - [`bounces`]: the first k bounces, where the form factors are still there.
 //! - [`light_at_points`], [`render`], [`tone_map`]: what is made of it.
 //!
@@ -17,6 +17,7 @@ mod crowd;
 mod direct;
 mod emitters;
 mod error;
+mod operator;
 mod patch_light;
 mod points;
 mod polygon;
@@ -29,9 +30,10 @@ mod view;
 pub use bounces::bounces;
 pub use direct::{DirectLight, Samples};
 pub use error::{Error, Result};
+pub use operator::{Operator, Workspace};
 pub use patch_light::{PatchSamples, patch_irradiance};
 pub use points::{PointLight, light_at_points, radiosity, surface_points};
-pub use product::{indirect, multiply};
+pub use product::{Bounces, indirect, multiply};
 pub use relighter::{Frame, Relighter};
 pub use render::{Image, Look, Parts, Shown, render};
 pub use tone_map::{Exposure, tone_map};

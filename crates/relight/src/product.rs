@@ -3,6 +3,8 @@
 use radfile::{PackedOperator, Patches};
 use rayon::prelude::*;
 
+use crate::operator::{Operator, Workspace};
+
 /// Partial sums of a row: independent, so that the processor adds several at a time.
 const LANES: usize = 8;
 
@@ -51,21 +53,54 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
     (lanes.iter().sum::<f64>() + rest) as f32
 }
 
-/// Indirect irradiance of the patches, W/m², from their direct irradiance.
+/// Indirect irradiance of the patches frame after frame, without taking memory for each.
+pub struct Bounces<'a> {
+    operator: &'a Operator<'a>,
+    patches: &'a Patches,
+    /// √A.
+    root: Vec<f32>,
+    sent: Vec<[f32; 3]>,
+    received: Vec<[f32; 3]>,
+    workspace: Workspace,
+}
+
+impl<'a> Bounces<'a> {
+    /// For the patches that the operator is of.
+    ///
+    /// # Panics
+    ///
+    /// If it is of another number of patches: a bug in the caller.
+    pub fn new(patches: &'a Patches, operator: &'a Operator<'a>) -> Bounces<'a> {
+        assert_eq!(operator.patches(), patches.len(), "the operator of these patches");
+        let zero = vec![[0.0; 3]; patches.len()];
+        let root = patches.area.iter().map(|a| a.sqrt()).collect();
+        Bounces { operator, patches, root, sent: zero.clone(), received: zero, workspace: operator.workspace() }
+    }
+
+    /// H_ind, W/m², of the direct irradiance `direct`.
+    ///
+    /// # Panics
+    ///
+    /// If there is not one value a patch: a bug in the caller.
+    pub fn indirect(&mut self, direct: &[[f32; 3]]) -> &[[f32; 3]] {
+        assert_eq!(direct.len(), self.root.len(), "one value a patch");
+        let reflectance = &self.patches.reflectance;
+        for (i, sent) in self.sent.iter_mut().enumerate() {
+            *sent = std::array::from_fn(|c| self.root[i] * reflectance[i][c] * direct[i][c]);
+        }
+        self.operator.multiply(reflectance, &self.sent, &mut self.received, &mut self.workspace);
+        for (h, root) in self.received.iter_mut().zip(&self.root) {
+            *h = h.map(|v| v / root);
+        }
+        &self.received
+    }
+}
+
+/// Indirect irradiance of the patches in one frame, W/m², from their direct irradiance.
 ///
 /// # Panics
 ///
-/// If patches, operator and `direct` differ in length: a bug in the caller.
-pub fn indirect(patches: &Patches, packed: &PackedOperator, direct: &[[f32; 3]]) -> Vec<[f32; 3]> {
-    assert_eq!(direct.len(), patches.len(), "one value a patch");
-    let sent: Vec<[f32; 3]> = direct
-        .iter()
-        .enumerate()
-        .map(|(i, h)| std::array::from_fn(|c| patches.area[i].sqrt() * patches.reflectance[i][c] * h[c]))
-        .collect();
-    let mut received = multiply(packed, &sent);
-    for (h, area) in received.iter_mut().zip(&patches.area) {
-        *h = h.map(|v| v / area.sqrt());
-    }
-    received
+/// As [`Bounces`].
+pub fn indirect(patches: &Patches, operator: &Operator, direct: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    Bounces::new(patches, operator).indirect(direct).to_vec()
 }

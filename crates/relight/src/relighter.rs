@@ -1,10 +1,10 @@
 //! A bake, ready for frames.
 
-use radfile::{FormFactors, PackedOperator, Patches, Progress};
+use radfile::{FormFactors, Patches, Progress};
 use scene::{LightRig, Rays, Scene, Surfaces};
 
 use crate::{
-    DirectLight, PatchSamples, bounces,
+    DirectLight, Operator, PatchSamples, bounces,
     error::{Error, Result},
     indirect, patch_irradiance,
 };
@@ -15,7 +15,7 @@ pub struct Relighter<'a> {
     surfaces: Surfaces<'a>,
     rays: &'a Rays,
     patches: &'a Patches,
-    packed: &'a PackedOperator<'a>,
+    operator: &'a Operator<'a>,
     sky: &'a [f32],
 }
 
@@ -39,13 +39,13 @@ impl<'a> Relighter<'a> {
         scene: &'a Scene,
         rays: &'a Rays,
         patches: &'a Patches,
-        packed: &'a PackedOperator<'a>,
+        operator: &'a Operator<'a>,
         sky: &'a [f32],
     ) -> Result<Relighter<'a>> {
-        same_count("the packed operator", packed.packing.n as usize, patches)?;
+        same_count("the packed operator", operator.patches(), patches)?;
         same_count("the sky visibility", sky.len(), patches)?;
         let surfaces = Surfaces::new(&scene.mesh, &scene.materials)?;
-        Ok(Relighter { scene, surfaces, rays, patches, packed, sky })
+        Ok(Relighter { scene, surfaces, rays, patches, operator, sky })
     }
 
     /// The lights of a rig over the bake's scene.
@@ -56,7 +56,7 @@ impl<'a> Relighter<'a> {
     /// Direct and indirect irradiance of the patches under the lights, all bounces of the operator.
     pub fn frame(&self, light: &DirectLight, samples: &PatchSamples, progress: &dyn Progress) -> Frame {
         let direct = self.patch_light(light, samples, progress);
-        let indirect = indirect(self.patches, self.packed, &direct);
+        let indirect = indirect(self.patches, self.operator, &direct);
         Frame { direct, indirect }
     }
 

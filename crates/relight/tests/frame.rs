@@ -49,7 +49,7 @@ fn the_product_is_that_of_the_decoded_matrix() {
 }
 
 fn frame(cube: &Cube, rays: &Rays, rig: &LightRig) -> Frame {
-    let bake = Relighter::new(&cube.scene, rays, &cube.patches, &cube.packed, &cube.factors.sky).unwrap();
+    let bake = Relighter::new(&cube.scene, rays, &cube.patches, &cube.operator, &cube.factors.sky).unwrap();
     bake.frame(&bake.direct_light(rig), &PatchSamples::default(), &Quiet)
 }
 
@@ -76,7 +76,7 @@ fn in_a_grey_cube_the_mean_irradiance_is_flux_over_surface_over_one_minus_reflec
 fn the_first_bounces_are_their_share_of_all() {
     let cube = cube(3, 0.8, 1.0);
     let direct = vec![[2.0, 1.0, 0.0]; cube.patches.len()];
-    let all = relight::indirect(&cube.patches, &cube.packed, &direct);
+    let all = relight::indirect(&cube.patches, &cube.operator, &direct);
     for (count, share) in [(0, 0.0), (1, 0.2), (3, 0.488), (200, 1.0)] {
         for (first, all) in bounces(&cube.patches, &cube.factors, &direct, count).iter().zip(&all) {
             assert!((first[0] - share * all[0]).abs() < 1e-4 * all[0], "{count}: {first:?} of {all:?}");
@@ -90,7 +90,7 @@ fn the_first_bounces_are_their_share_of_all() {
 fn points_in_a_furnace_have_the_light_of_the_furnace() {
     let cube = cube(2, 0.5, 1.0);
     let rays = Rays::new(&cube.scene.mesh);
-    let bake = Relighter::new(&cube.scene, &rays, &cube.patches, &cube.packed, &cube.factors.sky).unwrap();
+    let bake = Relighter::new(&cube.scene, &rays, &cube.patches, &cube.operator, &cube.factors.sky).unwrap();
     let light = bake.direct_light(&emission());
     let frame = bake.frame(&light, &PatchSamples::default(), &Quiet);
     let points =
@@ -107,7 +107,7 @@ fn points_in_a_furnace_have_the_light_of_the_furnace() {
 
 fn picture(cube: &Cube, rig: &LightRig, look: &Look) -> Image {
     let rays = Rays::new(&cube.scene.mesh);
-    let bake = Relighter::new(&cube.scene, &rays, &cube.patches, &cube.packed, &cube.factors.sky).unwrap();
+    let bake = Relighter::new(&cube.scene, &rays, &cube.patches, &cube.operator, &cube.factors.sky).unwrap();
     let light = bake.direct_light(rig);
     let frame = bake.frame(&light, &PatchSamples::default(), &Quiet);
     let transfer = corners_receive(&cube.scene.mesh);
@@ -148,7 +148,7 @@ fn a_camera_outside_sees_the_sky_around_the_cube() {
     let mut cube = cube(2, 0.5, 0.0);
     cube.scene.mesh.one_sided = true;
     let rays = Rays::new(&cube.scene.mesh);
-    let bake = Relighter::new(&cube.scene, &rays, &cube.patches, &cube.packed, &cube.factors.sky).unwrap();
+    let bake = Relighter::new(&cube.scene, &rays, &cube.patches, &cube.operator, &cube.factors.sky).unwrap();
     let light = bake.direct_light(&rig(r#"{"type":"sky","radiance":[3,4,5]}"#));
     let frame = bake.frame(&light, &PatchSamples::default(), &Quiet);
     let transfer = corners_receive(&cube.scene.mesh);
@@ -178,8 +178,8 @@ fn a_picture_shows_no_light_of_receivers_behind_a_wall() {
     patches.reflectance = vec![[0.5; 3]; 2];
     let scene = scene(mesh, 0.5, [0.0; 3]);
     let rays = Rays::new(&scene.mesh);
-    let packed = noise(2, 1, BlockFormat::Bc4, ValueMap::Sqrt);
-    let bake = Relighter::new(&scene, &rays, &patches, &packed, &[0.0; 2]).unwrap();
+    let operator = noise(2, 1, BlockFormat::Bc4, ValueMap::Sqrt).into();
+    let bake = Relighter::new(&scene, &rays, &patches, &operator, &[0.0; 2]).unwrap();
     let light = bake.direct_light(&rig(""));
     let frame = Frame { direct: vec![[0.0; 3]; 2], indirect: vec![[0.0; 3], [100.0; 3]] };
     let shown = Shown { bake: &bake, transfer: &transfer, light: &light, frame: &frame };
@@ -208,14 +208,14 @@ fn the_number_of_threads_does_not_change_a_bit() {
 fn parts_of_different_bakes_are_refused() {
     let (small, large) = (cube(1, 0.5, 0.0), cube(2, 0.5, 0.0));
     let rays = Rays::new(&small.scene.mesh);
-    let refused = |packed, sky| {
-        Relighter::new(&small.scene, &rays, &small.patches, packed, sky).err().expect("6 and 24 differ").to_string()
+    let refused = |operator, sky| {
+        Relighter::new(&small.scene, &rays, &small.patches, operator, sky).err().expect("6 and 24 differ").to_string()
     };
-    let text = refused(&large.packed, &small.factors.sky);
+    let text = refused(&large.operator, &small.factors.sky);
     assert_eq!(text, "the packed operator is for 24 patches, the bake has 6; bake the scene again");
-    let text = refused(&small.packed, &large.factors.sky);
+    let text = refused(&small.operator, &large.factors.sky);
     assert_eq!(text, "the sky visibility is for 24 patches, the bake has 6; bake the scene again");
-    let bake = Relighter::new(&small.scene, &rays, &small.patches, &small.packed, &small.factors.sky).unwrap();
+    let bake = Relighter::new(&small.scene, &rays, &small.patches, &small.operator, &small.factors.sky).unwrap();
     let light = bake.direct_light(&rig(""));
     let text = bake.frame_of_bounces(&light, &large.factors, 2, &PatchSamples::default(), &Quiet).unwrap_err();
     assert_eq!(text.to_string(), "the form-factor matrix is for 24 patches, the bake has 6; bake the scene again");
@@ -227,7 +227,7 @@ fn a_texture_that_cannot_be_decoded_is_named() {
     let texture = radfile::Texture { name: "wall.png".into(), bytes: vec![1, 2], wrap: [radfile::Wrap::Clamp; 2] };
     cube.scene.materials.textures.push(texture);
     let rays = Rays::new(&cube.scene.mesh);
-    let error = Relighter::new(&cube.scene, &rays, &cube.patches, &cube.packed, &cube.factors.sky).err();
+    let error = Relighter::new(&cube.scene, &rays, &cube.patches, &cube.operator, &cube.factors.sky).err();
     assert!(
         error.expect("two bytes are no picture").to_string().starts_with("wall.png: the texture cannot be decoded")
     );

@@ -42,20 +42,19 @@ impl Surroundings {
     }
 }
 
-/// An operator K with its patches; `row(colour, i)` is row i.
-pub struct Bounced<'a, Row> {
+/// An operator K with its patches; `product(colour, x)` is K x.
+pub struct Bounced<'a, Product> {
     pub patches: &'a Patches,
     pub channels: usize,
-    pub row: Row,
+    pub product: Product,
 }
 
-impl<'k, Row: Fn(usize, usize) -> &'k [f32]> Bounced<'_, Row> {
+impl<Product: Fn(usize, &[f64]) -> Vec<f64>> Bounced<'_, Product> {
     /// A^{-1/2} K A^{1/2} b for the radiosity b of one colour.
     fn received(&self, colour: usize, radiosity: impl Fn(usize) -> f64) -> Vec<f64> {
         let root = |i: usize| f64::from(self.patches.area[i]).sqrt();
         let sent: Vec<f64> = (0..self.patches.len()).map(|j| root(j) * radiosity(j)).collect();
-        let gather = |i: usize| (self.row)(colour, i).iter().zip(&sent).map(|(&k, s)| f64::from(k) * s).sum::<f64>();
-        (0..self.patches.len()).map(|i| gather(i) / root(i)).collect()
+        (self.product)(colour, &sent).into_iter().enumerate().map(|(i, y)| y / root(i)).collect()
     }
 
     fn rho(&self, colour: usize, patch: usize) -> f64 {

@@ -12,7 +12,7 @@ mod transfer;
 use std::{fmt::Write, path::PathBuf};
 
 use anyhow::{Context, bail};
-use radfile::{Container, FormFactors, Mesh, PackedOperator, Patches, Record, Transfer};
+use radfile::{Container, FormFactors, Mesh, Patches, Record, Transfer};
 
 use self::check::Check;
 use crate::{files, numbers, session::Session};
@@ -33,11 +33,6 @@ pub struct Args {
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let c = files::open(&args.file)?;
     let name = || args.file.display().to_string();
-    if PackedOperator::is_in(&c) {
-        let packing = PackedOperator::read(&c).with_context(name)?.packing;
-        let need = 4 * u64::from(packing.channels) * u64::from(packing.n).pow(2);
-        session.ask_memory("verify", need, "it decodes the whole operator; verify a bake of fewer patches")?;
-    }
     let checks = identities(&c, args.packed_tolerance).with_context(name)?;
     let mut text = String::new();
     for check in &checks {
@@ -62,7 +57,7 @@ fn identities(c: &Container, packed_tolerance: f64) -> anyhow::Result<Vec<Check>
     if c.has("series.values") {
         checks.extend(operator::dense(c, &patches)?);
     }
-    if PackedOperator::is_in(c) {
+    if relight::Operator::is_in(c) {
         checks.extend(operator::packed(c, &patches, packed_tolerance)?);
     }
     if c.has("transfer.weight") {

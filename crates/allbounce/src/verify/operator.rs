@@ -1,6 +1,6 @@
 //! All bounces: what the dense operator and the packed one are held to.
 
-use radfile::{Container, FormFactors, Operator, PackedOperator, Patches, Record};
+use radfile::{Container, FormFactors, Operator, Patches, Record};
 
 use super::{
     check::{Check, check, skip},
@@ -33,11 +33,11 @@ pub fn dense(c: &Container, p: &Patches) -> anyhow::Result<Vec<Check>> {
         return Ok(checks);
     }
     let around = Surroundings::read(c, p)?;
-    let all = Bounced {
-        patches: p,
-        channels: k.channels,
-        row: |colour: usize, i: usize| &k.channel(colour)[i * k.n..][..k.n],
+    let product = |colour: usize, x: &[f64]| -> Vec<f64> {
+        let row = |row: &[f32]| row.iter().zip(x).map(|(&k, x)| f64::from(k) * x).sum();
+        k.channel(colour).chunks(k.n.max(1)).map(row).collect()
     };
+    let all = Bounced { patches: p, channels: k.channels, product };
     let worst = largest(all.furnace(&around).into_iter().flatten());
     checks.push(check("7.2", around.named(FURNACE, "dense operator, worst patch"), worst, DENSE));
     let balance = format!("{BALANCE}, dense operator");
@@ -58,17 +58,22 @@ fn shortfall(k: &[f32], f: &FormFactors, p: &Patches) -> f64 {
     }))
 }
 
-/// Furnace identity and energy balance through the packed operator.
+/// Furnace identity and energy balance through the packed operator, by the product that frames use.
 pub fn packed(c: &Container, p: &Patches, tolerance: f64) -> anyhow::Result<Vec<Check>> {
-    let packed = PackedOperator::read(c)?;
-    let (n, channels) = (packed.packing.n as usize, packed.packing.channels as usize);
-    same_size("packed rows", n, p)?;
-    if let Some(bounces) = packed.packing.bounces {
+    let packed = relight::Operator::read(c)?;
+    same_size("packed rows", packed.patches(), p)?;
+    if let Some(bounces) = packed.bounces() {
         return Ok(of_some_bounces(bounces).into());
     }
-    let matrices: Vec<Vec<f32>> = (0..channels).map(|colour| packed.decode(colour)).collect();
+    let product = |colour: usize, x: &[f64]| -> Vec<f64> {
+        let x: Vec<[f32; 3]> = x.iter().map(|&v| [v as f32; 3]).collect();
+        let mut y = vec![[0.0; 3]; x.len()];
+        packed.multiply(&p.reflectance, &x, &mut y, &mut packed.workspace());
+        y.iter().map(|y| f64::from(y[colour])).collect()
+    };
+    let channels = 3;
     let around = Surroundings::read(c, p)?;
-    let all = Bounced { patches: p, channels, row: |colour: usize, i: usize| &matrices[colour][i * n..][..n] };
+    let all = Bounced { patches: p, channels, product };
     let means = all.furnace(&around).into_iter().map(|of_patch| mean(p, |i| of_patch[i]));
     let furnace = means.sum::<f64>() / channels as f64;
     let balance = format!("{BALANCE}, packed operator");

@@ -11,6 +11,7 @@ use radfile::{
     BlockFormat, FineMesh, FormFactors, Material, Materials, Mesh, NO_RECEIVER, PackedOperator, Packing, Patches, Rows,
     Transfer, ValueMap,
 };
+use relight::Operator;
 use scene::{LightRig, Rays, Scene, Sobol, SurfacePoint, Surfaces, cosine_direction};
 
 /// One material for everything.
@@ -49,7 +50,7 @@ pub struct Cube {
     pub scene: Scene,
     pub patches: Patches,
     pub factors: FormFactors<'static>,
-    pub packed: PackedOperator<'static>,
+    pub operator: Operator<'static>,
 }
 
 pub fn cube(k: usize, reflectance: f32, emission: f32) -> Cube {
@@ -62,8 +63,8 @@ pub fn cube(k: usize, reflectance: f32, emission: f32) -> Cube {
     let operator = all_bounces(&factors, reflectance);
     let factors =
         FormFactors { values: factors.iter().map(|v| *v as f32).collect::<Vec<_>>().into(), sky: vec![0.0; n].into() };
-    let packed = as_outliers(&operator, n);
-    Cube { scene: scene(mesh, reflectance, [emission; 3]), patches, factors, packed }
+    let operator = as_outliers(&operator, n).into();
+    Cube { scene: scene(mesh, reflectance, [emission; 3]), patches, factors, operator }
 }
 
 /// Form factors of equal patches by cosine rays, made symmetric with rows that sum to 1.
