@@ -19,9 +19,9 @@ fn rig(light: Light) -> LightRig {
 
 /// H⁰ by rays, from the same points on the patches; `area` rays for each of them towards an area light.
 fn traced(room: &Room, rig: &LightRig, area: u32) -> Vec<[f32; 3]> {
-    let packed = diagonal_operator(room.patches.len() as u32, 0.5);
+    let operator = diagonal_operator(room.patches.len() as u32, 0.5).into();
     let rays = Rays::new(&room.scene.mesh);
-    let relighter = Relighter::new(&room.scene, &rays, &room.patches, &packed, &room.sky).unwrap();
+    let relighter = Relighter::new(&room.scene, &rays, &room.patches, &operator, &room.sky).unwrap();
     relighter.patch_light(&relighter.direct_light(rig), &PatchSamples { points: 32, area }, &Quiet)
 }
 

@@ -225,7 +225,8 @@ fn a_picture_is_that_of_the_cpu() {
         GpuRuntime::new(&gpu, &room.scene, &room.patches, &packed, &room.sky, &room.transfer, &params).unwrap();
     let found = runtime.render(&rig, &camera, 64, 64, Parts::default()).unwrap();
     let rays = scene::Rays::new(&room.scene.mesh);
-    let bake = relight::Relighter::new(&room.scene, &rays, &room.patches, &packed, &room.sky).unwrap();
+    let operator = packed.clone().into();
+    let bake = relight::Relighter::new(&room.scene, &rays, &room.patches, &operator, &room.sky).unwrap();
     let light = bake.direct_light(&rig);
     let frame = bake.frame(&light, &relight::PatchSamples::default(), &radfile::Quiet);
     let shown = relight::Shown { bake: &bake, transfer: &room.transfer, light: &light, frame: &frame };
@@ -235,6 +236,28 @@ fn a_picture_is_that_of_the_cpu() {
     println!("picture: mean {:+.3} %, rms {:.2} % of the mean", 100.0 * mean, 100.0 * rms);
     // 16 samples a pixel in rows against 64 scattered ones: an edge of contrast 1 is off by up to 1/8 of a pixel.
     assert!(mean.abs() < 0.003 && rms < 0.03, "mean {mean}, rms {rms}");
+}
+
+/// Pictures are made on what the one before was made on, if that has their size.
+#[test]
+fn a_picture_owes_nothing_to_the_one_before() {
+    let Some(gpu) = gpu() else { return };
+    let room = floor();
+    let runtime = runtime(&gpu, &room, 0.5);
+    let picture = |rig: &LightRig, height: f64, size: [u32; 2], parts: Parts| {
+        let camera = Camera { origin: [1e5, -1.5, height], ..camera() };
+        runtime.render(rig, &camera, size[0], size[1], parts).unwrap()
+    };
+    let sky = LightRig { lights: vec![Light::Sky { radiance: [9.0; 3] }], ..LightRig::default() };
+    let first = picture(&lamp(), 2.5, SIZE, Parts::default());
+    assert_ne!(picture(&sky, 1.0, SIZE, Parts::default()), first);
+    assert_ne!(picture(&lamp(), 2.5, SIZE, DIRECT), first);
+    assert_eq!(picture(&lamp(), 2.5, SIZE, Parts::default()), first);
+    let before = gpu.buffers_made();
+    assert_eq!(picture(&lamp(), 2.5, SIZE, Parts::default()), first);
+    assert_eq!(gpu.buffers_made(), before, "a later picture of this size makes no buffers");
+    assert_eq!(picture(&lamp(), 2.5, [8, 8], DIRECT).len(), 64);
+    assert_eq!(picture(&lamp(), 2.5, SIZE, Parts::default()), first);
 }
 
 #[test]

@@ -206,7 +206,7 @@ fn whoever_decodes_the_light_is_that_of_the_cpu() {
     let (room, h0) = (strip(n), light(n));
     for map in [ValueMap::Sqrt, LOG, ValueMap::Log { shift: 14.0 }] {
         let packed = smooth_operator(n, map);
-        let twin = relight::indirect(&room.patches, &packed, &h0);
+        let twin = relight::indirect(&room.patches, &packed.clone().into(), &h0);
         let chosen = runtime(&gpu, &room, &packed, Decode::Auto);
         let sampled = runtime(&gpu, &room, &packed, Decode::Sampled);
         let off = |r: &GpuRuntime| common::difference(&r.patch_indirect(&h0).unwrap(), &twin);
