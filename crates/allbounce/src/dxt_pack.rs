@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::builder::PossibleValuesParser;
-use dxt_pack::{MapKind, Params};
-use radfile::{Container, PackedOperator, Progress, Record, Sink, Step};
+use dxt_pack::{MapKind, Outliers, Params};
+use radfile::{BlockFormat, Container, PackedOperator, Progress, Record, Sink, Step};
 
 use crate::{
     files, numbers,
@@ -13,14 +13,14 @@ use crate::{
     stage::{self, Stage, patch_count},
 };
 
-/// Pack the operator into block-compressed textures and a list of outliers.
+/// Pack the operator into block-compressed textures, a list of outliers and a basis of its colour.
 ///
 /// Reads patches and operator. Adds the packed operator; drops the dense matrices unless told to keep them.
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
     stage: stage::Args<Options>,
-    /// Also write the textures for other tools: one texture array, a layer a tile and channel
+    /// Also write the texture for other tools, without outliers and colour
     #[arg(long, value_name = "FILE.dds")]
     dds: Option<PathBuf>,
 }
@@ -28,14 +28,18 @@ pub struct Args {
 /// Options of this stage.
 #[derive(clap::Args)]
 pub struct Options {
-    /// As published: logarithm, three channels in one BC1 texture (paper); logarithm or square root, one BC4
-    /// texture a channel (bc4-log, bc4-sqrt)
+    /// As published: logarithm, all of the matrix and its three channels in one BC1 texture (paper); logarithm or
+    /// square root, half of its luma in a BC4 texture, colour as a basis of low rank (bc4-log, bc4-sqrt)
     /// [default: bc4-sqrt]
     #[arg(long, value_parser = PossibleValuesParser::new(Params::PRESETS.map(|(name, _)| name)))]
     pub format: Option<String>,
-    /// Share of the values that are kept apart as they are too large for the map [0..=1]
-    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = numbers::share)]
-    outliers: f64,
+    /// Share of the values that are kept apart as they are too large for the map: a number 0..=1, or `auto`, which is
+    /// 0.01 for `paper` and what --error takes for the others
+    #[arg(long, value_name = "SHARE", default_value = "auto", value_parser = outliers)]
+    outliers: Outliers,
+    /// Error of light that outliers and colour of `bc4-log` and `bc4-sqrt` keep within, with as few bytes as they can
+    #[arg(long, value_name = "E", default_value = "1%", value_parser = numbers::relative_error)]
+    error: f64,
     /// Span of the logarithm of `paper` and `bc4-log`
     #[arg(long, value_name = "S", default_value_t = 6.0, value_parser = numbers::span)]
     shift: f32,
@@ -52,8 +56,13 @@ impl Options {
     fn params(&self) -> Params {
         let named = Params::PRESETS.into_iter().find(|(name, _)| *name == self.format());
         let preset = named.map_or_else(Params::default, |(_, preset)| preset);
-        Params { outliers: self.outliers, shift: self.shift, keep_dense: self.keep_dense, ..preset }
+        Params { outliers: self.outliers, error: self.error, shift: self.shift, keep_dense: self.keep_dense, ..preset }
     }
+}
+
+/// A share, or `auto`.
+fn outliers(text: &str) -> Result<Outliers, String> {
+    if text == "auto" { Ok(Outliers::Auto) } else { numbers::share(text).map(Outliers::Share) }
 }
 
 impl Stage for Options {

@@ -4,9 +4,9 @@
 //! Crates for this take 8-bit texels and minimise the error of the code. But the operator is finer
 //! than 8 bits, and a product adds up errors of *values*, times what each sender sends. Four
 //! neighbouring senders send much the same: if their light per root of area is m ± σ, the expected square
-//! of the sum Σ e x over a row of a block is m² (Σ e)² + σ² Σ e². So a block's error is
-//! Σ e² + (m/σ)² Σ_rows (Σ e)², with e the error of a value times the root of the sender's area.
-//! (Columns do not enter: errors at different receivers are never added.)
+//! of the sum Σ e x over a row of a block is m² (Σ e)² + σ² Σ e², with e the error of a value times the root of
+//! the sender's area. A block stands for its mirror image too, in which rows are senders. So its error is the sum of
+//! Σ e² + (m/σ)² Σ_rows (Σ e)² and of the same over columns.
 //!
 //! An entry that is exactly 0 stays exactly 0, so no light gets into a sealed room: a block with such
 //! an entry has 0 among its values.
@@ -38,17 +38,22 @@ pub struct Encoder {
 /// Sixteen texels, row by row: relative values wanted, and how much they matter.
 pub struct Texels {
     wanted: [f32; 16],
+    /// √A of the column's patch, and of the row's; both 0 for a texel that may decode to anything.
+    sent: [[f32; 16]; 2],
+    /// Root of the sum of their squares.
     weight: [f32; 16],
     /// Whether some texel must be exactly 0.
     zero: bool,
 }
 
 impl Texels {
-    /// Relative values, 0..=1 where they matter, and the factor of their error: the root of the
-    /// sender's area, or 0 for a texel that may decode to anything.
-    pub fn new(wanted: [f32; 16], weight: [f32; 16]) -> Texels {
-        let zero = wanted.iter().zip(&weight).any(|(wanted, weight)| *wanted == 0.0 && *weight > 0.0);
-        Texels { wanted, weight, zero }
+    /// Relative values, 0..=1 where they matter, which texels do, and √A of the patches of rows and columns.
+    pub fn new(wanted: [f32; 16], kept: [bool; 16], rows: [f32; 4], columns: [f32; 4]) -> Texels {
+        let sent = |root: &dyn Fn(usize) -> f32| std::array::from_fn(|t| if kept[t] { root(t) } else { 0.0 });
+        let sent = [sent(&|t| columns[t % 4]), sent(&|t| rows[t / 4])];
+        let weight = std::array::from_fn(|t| sent[0][t].hypot(sent[1][t]));
+        let zero = wanted.iter().zip(&kept).any(|(wanted, kept)| *wanted == 0.0 && *kept);
+        Texels { wanted, sent, weight, zero }
     }
 
     /// The values that matter.
@@ -225,8 +230,9 @@ fn error(palette: &[f32; 8], texels: &Texels) -> f32 {
             *miss = if this.abs() < miss.abs() { this } else { *miss };
         }
     }
-    miss.iter_mut().zip(&texels.weight).for_each(|(miss, weight)| *miss *= weight);
-    let squares = miss.iter().map(|e| e * e).sum::<f32>();
-    let rows = miss.as_chunks::<4>().0.iter().map(|row| row.iter().sum::<f32>());
-    squares + LIKENESS * rows.map(|sum| sum * sum).sum::<f32>()
+    let [along, across] = texels.sent.map(|sent| -> [f32; 16] { std::array::from_fn(|t| miss[t] * sent[t]) });
+    let squares = along.iter().chain(&across).map(|e| e * e).sum::<f32>();
+    let rows = along.as_chunks::<4>().0.iter().map(|row| row.iter().sum::<f32>());
+    let columns = (0..4).map(|c| (0..4).map(|r| across[4 * r + c]).sum::<f32>());
+    squares + LIKENESS * rows.chain(columns).map(|sum| sum * sum).sum::<f32>()
 }

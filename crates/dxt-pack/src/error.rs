@@ -17,28 +17,11 @@ pub enum Error {
         /// What it may be.
         expected: &'static str,
     },
-    /// There is nothing to pack.
-    #[error("the operator has no patches; nothing can be packed (is the scene empty?)")]
-    Empty,
-    /// Operator and patches belong to different bakes.
-    #[error("the operator has {operator} patches, the patch list {patches}; take both from the same bake")]
-    PatchCount {
+    /// Columns of outliers are 16 bits wide where half is stored.
+    #[error("the operator has {patches} patches, half of it is stored of up to 65536; use fewer patches")]
+    TooManyPatches {
         /// Patches of the operator.
-        operator: usize,
-        /// Patches in the list.
         patches: usize,
-    },
-    /// An entry of the operator is negative or no number.
-    #[error("K[{receiver}, {sender}] of channel {channel} is {value}, expected a finite K ≥ 0; solve the series again")]
-    Value {
-        /// Colour channel.
-        channel: usize,
-        /// Row.
-        receiver: usize,
-        /// Column.
-        sender: usize,
-        /// The entry.
-        value: f32,
     },
     /// The list of outliers cannot be indexed.
     #[error("{count} outliers, the format indexes up to 4294967295; lower the share of outliers or use fewer patches")]

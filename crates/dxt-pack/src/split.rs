@@ -9,6 +9,8 @@ use crate::{Error, Result, quantile::threshold};
 pub struct Split<'a> {
     operator: &'a Operator<'a>,
     thresholds: Vec<f32>,
+    /// Whether entries above the diagonal are left to those below.
+    half: bool,
     /// Largest value of each channel among the entries that are no outliers.
     pub scale: [f32; 3],
     /// `n` + 1 offsets into `column`.
@@ -20,15 +22,17 @@ pub struct Split<'a> {
 impl<'a> Split<'a> {
     /// Keeps apart every entry that exceeds the (1 − `share`) quantile of its channel in some channel.
     ///
+    /// With `half` only entries on and below the diagonal are looked at, of which each stands for two.
+    ///
     /// One position serves all channels, because the index of an outlier costs as much as a value and
     /// the largest entries of the channels nearly coincide.
     ///
     /// # Errors
     ///
     /// [`Error::TooManyOutliers`].
-    pub fn new(operator: &'a Operator<'a>, share: f64) -> Result<Split<'a>> {
+    pub fn new(operator: &'a Operator<'a>, share: f64, half: bool) -> Result<Split<'a>> {
         let thresholds = (0..operator.channels).map(|c| threshold(operator.channel(c), share)).collect();
-        let mut split = Split { operator, thresholds, scale: [0.0; 3], start: vec![0], column: Vec::new() };
+        let mut split = Split { operator, thresholds, half, scale: [0.0; 3], start: vec![0], column: Vec::new() };
         let rows: Vec<(Vec<u32>, [f32; 3])> = (0..operator.n).into_par_iter().map(|row| split.row(row)).collect();
         let count = rows.iter().map(|(columns, _)| columns.len() as u64).sum();
         check_count(count)?;
@@ -46,7 +50,7 @@ impl<'a> Split<'a> {
         let n = self.operator.n;
         let mut largest = [0f32; 3];
         let mut columns = Vec::new();
-        for column in 0..n {
+        for column in 0..if self.half { row + 1 } else { n } {
             if self.is_outlier(row, column) {
                 columns.push(column as u32);
             } else {

@@ -4,7 +4,7 @@ mod common;
 
 use common::{Room, room};
 use ddsfile::{D3D10ResourceDimension, Dds, DxgiFormat};
-use dxt_pack::{Params, dds, pack, run};
+use dxt_pack::{Outliers, Params, dds, pack, run};
 use radfile::{
     BlockFormat, Builder, Container, FormFactors, Operator, PackedOperator, Packing, Patches, Provenance, Quiet,
     Record, Step, ValueMap,
@@ -62,9 +62,11 @@ fn keeping_the_dense_operator_allows_to_pack_again() {
     let first = run_on(&solved(&room), &dense).unwrap();
     assert_eq!(Operator::read(&first).unwrap(), room.operator);
     assert!(first.has("formfactor.values"));
+    // The other form replaces what was there.
     let again = run_on(&first, &Params::default()).unwrap();
     let fresh = run_on(&solved(&room), &Params::default()).unwrap();
     assert_eq!(PackedOperator::read(&again).unwrap(), PackedOperator::read(&fresh).unwrap());
+    assert!(first.has("pack.meta") && !again.has("pack.meta"));
 }
 
 #[test]
@@ -97,31 +99,37 @@ fn refusal(params: Params, change: impl Fn(&mut Room)) -> String {
 fn what_cannot_be_packed_is_refused_in_one_sentence() {
     let with_value =
         |value: f32| move |room: &mut Room| room.operator.values.to_mut()[2 * 24 * 24 + 5 * 24 + 7] = value;
-    let refused = "expected a finite K ≥ 0; solve the series again";
+    let refused = "expected K ≥ 0; solve the series again";
     for value in [f32::NAN, f32::INFINITY, -0.5] {
         let found = refusal(Params::default(), with_value(value));
-        assert_eq!(found, format!("K[5, 7] of channel 2 is {value}, {refused}"));
+        assert_eq!(found, format!("operator: K[5, 7] of channel 2 is {value}, {refused}"));
     }
     assert_eq!(
         refusal(Params::default(), |room| room.patches = common::some_patches(23)),
-        "the operator has 24 patches, the patch list 23; take both from the same bake"
+        "operator: it has 24 patches, the patch list 23; take both from the same bake"
     );
     assert_eq!(
         refusal(Params::default(), |room| {
             room.operator = Operator { n: 0, channels: 1, bounces: None, values: Vec::new().into() };
         }),
-        "the operator has no patches; nothing can be packed (is the scene empty?)"
+        "operator: it has no patches, so nothing can be packed (is the scene empty?)"
     );
     for share in [-0.1, 1.5] {
         assert_eq!(
-            refusal(Params { outliers: share, ..Params::default() }, |_| ()),
+            refusal(Params { outliers: Outliers::Share(share), ..Params::default() }, |_| ()),
             format!("option outliers is {share}, expected a share 0..=1")
         );
     }
     assert_eq!(
-        refusal(Params { outliers: f64::NAN, ..Params::default() }, |_| ()),
+        refusal(Params { outliers: Outliers::Share(f64::NAN), ..Params::default() }, |_| ()),
         "option outliers is NaN, expected a share 0..=1"
     );
+    for error in [0.0, -0.1, f64::NAN] {
+        assert_eq!(
+            refusal(Params { error, ..Params::default() }, |_| ()),
+            format!("option error is {error}, expected a relative error above 0 and up to 1")
+        );
+    }
     for shift in [0.0, -6.0, f32::NAN, 81.0] {
         assert_eq!(
             refusal(Params { shift, ..Params::PAPER }, |_| ()),
@@ -142,7 +150,8 @@ fn a_container_without_an_operator_names_the_stage_that_makes_it() {
 #[test]
 fn outliers_out_of_order_are_no_packed_operator() {
     let room = room(3, 1);
-    let (mut packed, _) = pack(&room.operator, &room.patches, &Params::default(), &Quiet).unwrap();
+    let params = Params { outliers: Outliers::Share(0.1), ..Params::default() };
+    let (mut packed, _) = pack(&room.operator, &room.patches, &params, &Quiet).unwrap();
     let row = (0..54).find(|&i| packed.outlier_start[i + 1] - packed.outlier_start[i] >= 2).unwrap();
     packed.outlier_column.to_mut().swap(packed.outlier_start[row] as usize, packed.outlier_start[row] as usize + 1);
     let mut builder = Builder::new();
@@ -154,17 +163,17 @@ fn outliers_out_of_order_are_no_packed_operator() {
 #[test]
 fn the_exported_texture_holds_the_same_blocks() {
     let room = room(4, 3);
-    for (params, format, layers) in
-        [(Params::PAPER, DxgiFormat::BC1_UNorm, 1), (Params::BC4_SQRT, DxgiFormat::BC4_UNorm, 3)]
+    // 24 × 24 blocks, or 300 of the half in a row.
+    for (params, format, size) in
+        [(Params::PAPER, DxgiFormat::BC1_UNorm, (96, 96, 1)), (Params::BC4_SQRT, DxgiFormat::BC4_UNorm, (1200, 4, 1))]
     {
         let (packed, _) = pack(&room.operator, &room.patches, &params, &Quiet).unwrap();
         let file = Dds::read(&dds(&packed).unwrap()[..]).unwrap();
-        assert_eq!((file.get_width(), file.get_height(), file.get_depth()), (96, 96, 1));
-        assert_eq!((file.get_num_array_layers(), file.get_num_mipmap_levels()), (layers, 1));
+        assert_eq!((file.get_width(), file.get_height(), file.get_depth()), size);
+        assert_eq!((file.get_num_array_layers(), file.get_num_mipmap_levels()), (1, 1));
         assert_eq!(file.get_dxgi_format(), Some(format));
         assert_eq!(file.header10.as_ref().unwrap().resource_dimension, D3D10ResourceDimension::Texture2D);
-        let tiles: Vec<u8> = (0..layers).flat_map(|layer| file.get_data(layer).unwrap()).copied().collect();
-        assert_eq!(tiles, packed.blocks[..]);
+        assert_eq!(file.get_data(0).unwrap(), &packed.blocks[..]);
     }
 }
 

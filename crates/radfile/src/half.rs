@@ -116,7 +116,7 @@ impl Colour<'_> {
     }
 
     /// Bytes that the colour takes in a file.
-    pub(crate) fn size_in_bytes(&self) -> usize {
+    pub fn size_in_bytes(&self) -> usize {
         12 * self.axes.len()
             + 4 * self.rank.len()
             + 2 * (self.component.len() + self.scale.len() + self.core.len())

@@ -32,6 +32,45 @@ impl Operator<'_> {
         let size = self.n * self.n;
         &self.values[colour.min(self.channels - 1) * size..][..size]
     }
+
+    /// What everyone who packs an operator asks of it: that it has patches, as many as the list, and that K ≥ 0.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Invariant`].
+    ///
+    /// # Panics
+    ///
+    /// If `values` is not channels × n × n or channels is neither 1 nor 3: a bug in the caller.
+    pub fn check(&self, patches: usize) -> Result<()> {
+        let n = self.n;
+        assert!(matches!(self.channels, 1 | 3), "an operator has 1 or 3 channels, not {}", self.channels);
+        assert_eq!(self.values.len(), self.channels * n * n, "values of the operator");
+        if n == 0 {
+            return Err(Error::invariant(
+                "operator",
+                "it has no patches, so nothing can be packed (is the scene empty?)",
+            ));
+        }
+        if patches != n {
+            let what = format!("it has {n} patches, the patch list {patches}; take both from the same bake");
+            return Err(Error::invariant("operator", what));
+        }
+        check_values(&self.values, n)
+    }
+}
+
+/// Checks the entries of all channels of `n` patches.
+fn check_values(values: &[f32], n: usize) -> Result<()> {
+    match values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
+        Some(at) => {
+            let (channel, i, j) = (at / (n * n), at / n % n, at % n);
+            let what =
+                format!("K[{i}, {j}] of channel {channel} is {}, expected K ≥ 0; solve the series again", values[at]);
+            Err(Error::invariant("operator", what))
+        }
+        None => Ok(()),
+    }
 }
 
 impl<'a> Record<'a> for Operator<'a> {
@@ -46,11 +85,7 @@ impl<'a> Record<'a> for Operator<'a> {
         // With 1 or 3 in front, n² elements are in the file, so n is no larger than a length in memory.
         let (channels, n) = (shape[0] as usize, shape[1] as usize);
         check_patch_count(c, "operator", n)?;
-        if let Some(at) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
-            let (channel, i, j) = (at / (n * n), at / n % n, at % n);
-            let what = format!("K[{i}, {j}] of channel {channel} is {}, expected K ≥ 0", values[at]);
-            return Err(Error::invariant("operator", what));
-        }
+        check_values(values, n)?;
         Ok(Operator { n, channels, bounces: meta.bounces, values: values.into() })
     }
 

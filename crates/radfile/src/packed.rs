@@ -194,6 +194,30 @@ impl PackedOperator<'_> {
         if self.half.is_some() { 1 } else { self.packing.planes() }
     }
 
+    /// Width and height in texels and layers of an array texture that holds the blocks in their order: a layer a tile
+    /// and plane of the whole matrix; the half in rows of up to 1024 blocks.
+    pub fn texture_size(&self) -> [u32; 3] {
+        let p = &self.packing;
+        if self.half.is_none() {
+            return [p.tile, p.tile, p.tile_count() as u32];
+        }
+        let blocks = half::half_blocks(p.n) as u32;
+        let width = blocks.min(MAX_TILE / 4);
+        let rows = blocks.div_ceil(width);
+        let layers = rows.div_ceil(MAX_TILE / 4);
+        [4 * width, 4 * rows.div_ceil(layers), layers]
+    }
+
+    /// The blocks with zeros up to the end of that texture.
+    pub fn texture_blocks(&self) -> Cow<'_, [u8]> {
+        let [width, height, layers] = self.texture_size().map(|e| e as usize);
+        let missing = width / 4 * (height / 4) * layers * 8 - self.blocks.len();
+        if missing == 0 {
+            return Cow::Borrowed(&self.blocks);
+        }
+        self.blocks.iter().copied().chain(std::iter::repeat_n(0, missing)).collect()
+    }
+
     /// Where the outliers of a row are.
     pub(crate) fn outliers_of(&self, row: usize) -> std::ops::Range<usize> {
         self.outlier_start[row] as usize..self.outlier_start[row + 1] as usize

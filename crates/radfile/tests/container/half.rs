@@ -92,6 +92,15 @@ fn components_exchange_no_colour() {
 #[test]
 fn blocks_of_the_half_are_counted() {
     assert_eq!([1, 4, 5, 6, 2638].map(half_blocks), [1, 1, 3, 3, 660 * 661 / 2]);
+    let mut packed = half();
+    for (n, size) in [(6, [12, 4, 1]), (2638, [4096, 856, 1]), (8192, [4096, 2736, 3])] {
+        packed.packing.n = n;
+        assert_eq!(packed.texture_size(), size, "{n} patches");
+        packed.blocks = vec![7; 8 * half_blocks(n)].into();
+        let texture = packed.texture_blocks();
+        assert_eq!(texture.len(), size.map(|e| e as usize).iter().product::<usize>() / 2);
+        assert_eq!(texture[..packed.blocks.len()], packed.blocks[..]);
+    }
 }
 
 #[test]
