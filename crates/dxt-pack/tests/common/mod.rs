@@ -73,7 +73,7 @@ fn room_patches(cells: usize, grey: bool) -> Patches {
 }
 
 /// W = A^{1/2} F A^{-1/2} from the point-to-point kernel, scaled symmetrically until rows of F sum to 1.
-fn symmetric_form_factors(p: &Patches) -> Vec<f32> {
+pub fn symmetric_form_factors(p: &Patches) -> Vec<f32> {
     let n = p.len();
     let mut w = vec![0f32; n * n];
     for i in 0..n {
