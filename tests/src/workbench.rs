@@ -23,6 +23,9 @@ pub struct Light {
     pub indirect: Vec<f64>,
 }
 
+/// Error that packing may add: little, as physics is what is tested.
+const PACKING: &str = "0.1%";
+
 /// The scene file and what was made of it.
 pub struct Workbench {
     folder: TempDir,
@@ -50,7 +53,8 @@ impl Workbench {
     pub fn bake(&self, options: &[&str]) -> Container {
         let output = self.baked();
         let (scene, bake) = (text(&self.file("room.obj")), text(&output));
-        allbounce(["bake", &scene, "-o", &bake, "--keep-dense", "-q"].iter().chain(options)).done();
+        let fine = ["--operator-error", PACKING];
+        allbounce(["bake", &scene, "-o", &bake, "--keep-dense", "-q"].iter().chain(&fine).chain(options)).done();
         open(&output)
     }
 
@@ -84,7 +88,8 @@ impl Workbench {
         patches.write(&mut builder);
         builder.write_file(&altered).expect("a file");
         let solved = stage("series", &stage("formfactor", &altered, formfactor), &[]);
-        let packed = stage("dxt-pack", &stage("permute", &solved, &[]), &["--keep-dense"]);
+        let fine = ["--operator-error", PACKING, "--keep-dense"];
+        let packed = stage("hmatrix", &stage("permute", &solved, &[]), &fine);
         let bake = self.baked();
         std::fs::rename(stage("transfer", &packed, &[]), &bake).expect("the bake");
         open(&bake)
