@@ -10,7 +10,7 @@
 // units      light, carried W/m, linear RGB; factors 1
 // layout     terms: one a lane, 16 a panel, then the means, those of panel p from mean_start[p] on; panels of columns
 //            come last and have no means. carried: four lanes of red, of green, of blue; the next four lanes; …
-// bytes      16 a lane and mean: 0.9 MB in 810 workgroups for 5175 patches at 1 %
+// bytes      16 a lane and mean: 0.9 MB in about 800 workgroups for 5175 patches at 1 %
 // limits     1 KiB of workgroup storage
 // tolerance  means of a panel x eps |carried|, eps = 2^-23
 

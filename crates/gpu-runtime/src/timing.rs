@@ -118,3 +118,28 @@ fn median(mut found: Vec<f64>) -> f64 {
     found.sort_by(f64::total_cmp);
     found[found.len() / 2]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_device_counts_where_it_can_and_the_host_elsewhere() {
+        if std::env::var("ALLBOUNCE_GPU").as_deref() == Ok("skip") {
+            println!("gpu: skipped, ALLBOUNCE_GPU=skip");
+            return;
+        }
+        for features in [wgpu::Features::TIMESTAMP_QUERY, wgpu::Features::empty()] {
+            let gpu = Gpu::with_features(|_| true, features).expect("an adapter");
+            let buffer = gpu.empty("cleared", 1 << 20, wgpu::BufferUsages::COPY_DST);
+            let (milliseconds, clock) = gpu.time(3, |encoder| encoder.clear_buffer(&buffer, 0, None)).unwrap();
+            assert!((0.0..1e3).contains(&milliseconds), "{milliseconds} ms");
+            assert_eq!(clock == Clock::Timestamps, gpu.has_timestamps());
+            assert!(clock == Clock::WallClock || !features.is_empty());
+            for repeats in [0, MOST + 1] {
+                let text = gpu.time(repeats, |_| ()).unwrap_err().to_string();
+                assert!(text.contains(&format!("{repeats} repetitions")), "{text}");
+            }
+        }
+    }
+}
