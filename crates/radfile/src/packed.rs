@@ -280,6 +280,12 @@ impl PackedOperator<'_> {
         self.packing.map.decode(u, self.packing.scale[channel])
     }
 
+    /// The sixteen texels of a stored block as codes of a channel, row after row.
+    pub fn codes(&self, channel: usize, row: usize, column: usize) -> [f32; 16] {
+        let (palette, indices) = self.block(channel, row, column);
+        indices.map(|index| palette[index as usize])
+    }
+
     /// The sixteen texels of a stored block as values of a channel, row after row.
     pub fn texels(&self, channel: usize, row: usize, column: usize) -> [f32; 16] {
         let (palette, indices) = self.block(channel, row, column);

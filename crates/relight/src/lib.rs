@@ -24,6 +24,7 @@ mod polygon;
 mod product;
 mod relighter;
 mod render;
+mod textures;
 mod tone_map;
 mod view;
 
@@ -36,4 +37,5 @@ pub use points::{PointLight, light_at_points, radiosity, surface_points};
 pub use product::{Bounces, indirect, multiply};
 pub use relighter::{Frame, Relighter};
 pub use render::{Image, Look, Parts, Shown, render};
+pub use textures::{TextureProduct, Workspace as TextureWorkspace};
 pub use tone_map::{Exposure, tone_map};
