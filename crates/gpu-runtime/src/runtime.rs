@@ -221,8 +221,9 @@ impl GpuRuntime {
         Ok(indirect)
     }
 
-    /// How long the product alone takes, all its dispatches, for the direct irradiance `h0`: the median of `repeats`,
-    /// which follow each other in one submission.
+    /// How long the product alone takes, all its dispatches, for the direct irradiance `h0`: the median of `repeats`
+    /// times, each of one product or, if that is short, the mean of several. They follow each other in one submission,
+    /// so an operator that fits the device's caches is read from there.
     ///
     /// # Errors
     ///

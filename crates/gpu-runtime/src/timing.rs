@@ -1,7 +1,8 @@
 //! How long the device works: its own timestamps where it has them, else the wall clock.
 //!
 //! Work is repeated in one submission, so that neither submitting nor waiting counts. A mark is an empty pass that
-//! notes the time when all work before it is done.
+//! notes the time when all work before it is done; between marks short work is done several times, for a mark itself
+//! takes a microsecond or so.
 
 use std::time::Instant;
 
@@ -12,7 +13,7 @@ use crate::{Error, Gpu, Result};
 /// Whose time it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Clock {
-    /// The device's timestamps, around each repetition.
+    /// The device's timestamps.
     Timestamps,
     /// The host's clock around whole submissions, divided by the repetitions.
     WallClock,
@@ -34,6 +35,9 @@ pub struct Timing {
 const COPIED: u64 = 128 << 20;
 /// Copies that are timed.
 const COPIES: u32 = 15;
+/// Milliseconds from mark to mark, if that does not take more than [`MOST_BETWEEN`] times the work.
+const APART: f64 = 0.3;
+const MOST_BETWEEN: f64 = 32.0;
 /// Submissions that the wall clock times.
 const SUBMISSIONS: usize = 5;
 /// Most repetitions of a submission: one less than a query set has marks.
@@ -55,27 +59,24 @@ impl Gpu {
         Ok(2.0 * size as f64 / (1e6 * milliseconds))
     }
 
-    /// Median milliseconds of `work`, and whose they are.
+    /// Median milliseconds of `work` of `repeats` times, and whose they are.
     pub(crate) fn time(&self, repeats: u32, work: impl Fn(&mut wgpu::CommandEncoder)) -> Result<(f64, Clock)> {
         if !(1..=MOST).contains(&repeats) {
             return Err(Error::Input { what: format!("{repeats} repetitions were asked for, expected 1 to {MOST}") });
         }
-        // The first time, drivers do what they have put off.
-        self.work(1, &work)?;
-        let (found, clock) = match self.has_timestamps() {
-            true => (self.by_timestamps(repeats, work)?, Clock::Timestamps),
-            false => (self.by_wall_clock(repeats, work)?, Clock::WallClock),
+        let clock = if self.has_timestamps() { Clock::Timestamps } else { Clock::WallClock };
+        let times = |repeats: u32, each: u32| match clock {
+            Clock::Timestamps => self.by_timestamps(repeats, each, &work),
+            Clock::WallClock => self.by_wall_clock(repeats * each, &work),
         };
-        Ok((median(found), clock))
+        // The first time, drivers do what they have put off.
+        times(1, 1)?;
+        let each = (APART / median(times(1, 1)?)).clamp(1.0, MOST_BETWEEN);
+        Ok((median(times(repeats, each as u32)?), clock))
     }
 
-    fn work(&self, repeats: u32, work: impl Fn(&mut wgpu::CommandEncoder)) -> Result<()> {
-        let mut encoder = self.encoder();
-        (0..repeats).for_each(|_| work(&mut encoder));
-        self.submit(encoder, std::iter::empty())
-    }
-
-    fn by_timestamps(&self, repeats: u32, work: impl Fn(&mut wgpu::CommandEncoder)) -> Result<Vec<f64>> {
+    /// Milliseconds of `work`, which is done `each` times between two marks.
+    fn by_timestamps(&self, repeats: u32, each: u32, work: impl Fn(&mut wgpu::CommandEncoder)) -> Result<Vec<f64>> {
         let count = repeats + 1;
         let descriptor = wgpu::QuerySetDescriptor { label: Some("marks"), ty: wgpu::QueryType::Timestamp, count };
         let marks = self.device.create_query_set(&descriptor);
@@ -86,7 +87,7 @@ impl Gpu {
         let mut encoder = self.encoder();
         for number in 0..count {
             if number > 0 {
-                work(&mut encoder);
+                (0..each).for_each(|_| work(&mut encoder));
             }
             let timestamp_writes = Some(wgpu::ComputePassTimestampWrites {
                 query_set: &marks,
@@ -100,14 +101,16 @@ impl Gpu {
         self.submit(encoder, [&staging].into_iter())?;
         let ticks: Vec<u64> =
             self.read(&staging, |bytes| bytes.as_chunks().0.iter().map(|b| u64::from_le_bytes(*b)).collect())?;
-        let milliseconds = 1e-6 * f64::from(self.queue.get_timestamp_period());
+        let milliseconds = 1e-6 * f64::from(self.queue.get_timestamp_period()) / f64::from(each);
         Ok(ticks.windows(2).map(|w| w[1].wrapping_sub(w[0]) as f64 * milliseconds).collect())
     }
 
+    /// Milliseconds of `work`, which is done `repeats` times in a submission.
     fn by_wall_clock(&self, repeats: u32, work: impl Fn(&mut wgpu::CommandEncoder)) -> Result<Vec<f64>> {
         let submission = |_| {
-            let start = Instant::now();
-            self.work(repeats, &work)?;
+            let (start, mut encoder) = (Instant::now(), self.encoder());
+            (0..repeats).for_each(|_| work(&mut encoder));
+            self.submit(encoder, std::iter::empty())?;
             Ok(1e3 * start.elapsed().as_secs_f64() / f64::from(repeats))
         };
         (0..SUBMISSIONS).map(submission).collect()

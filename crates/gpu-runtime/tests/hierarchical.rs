@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Numbers, Room, cornell, gpu, room, wall};
+use common::{Numbers, Room, cornell, diagonal_operator, gpu, room, wall};
 use gpu_runtime::{Clock, Gpu, GpuRuntime, Params};
 use hmatrix::{HMatrix, compress};
 use radfile::{Operator, Patches, Quiet};
@@ -196,6 +196,12 @@ fn a_product_is_timed_without_changing_it() {
     assert!(timing.bytes_read > runtime.report().operator_bytes, "codes are read twice");
     assert!(matches!(timing.by, Clock::Timestamps | Clock::WallClock));
     assert_eq!(runtime.patch_indirect(&h0).unwrap(), before);
+    let textures = diagonal_operator(room.patches.len() as u32, 0.5);
+    let params = Params { patch_samples: 1, shadow_resolution: 4, ..Params::default() };
+    let by_textures =
+        GpuRuntime::new(&gpu, &room.scene, &room.patches, &textures, &room.sky, &room.transfer, &params).unwrap();
+    let timing = by_textures.time_product(&h0, 3).unwrap();
+    assert_eq!(timing.bytes_read, by_textures.report().operator_bytes, "blocks are read once");
     let text = runtime.time_product(&h0, 0).unwrap_err().to_string();
     assert!(text.contains("0 repetitions"), "{text}");
 }
