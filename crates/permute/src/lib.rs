@@ -20,7 +20,7 @@ mod report;
 mod stage;
 
 pub use error::Error;
-pub use neighbours::zero_tiles;
+pub use neighbours::{random_order, zero_tiles};
 pub use order::{Order, Params, order};
 pub use report::{NeighbourDifference, Report, ZeroTiles};
 pub use stage::{memory_needed, run};

@@ -16,7 +16,7 @@ pub fn compare(operator: &Operator, new: &Permutation) -> NeighbourDifference {
     NeighbourDifference {
         before: difference(operator, Permutation::identity(n).new_to_old()),
         after: difference(operator, new.new_to_old()),
-        random: difference(operator, &random_order(n)),
+        random: difference(operator, random_order(n).new_to_old()),
     }
 }
 
@@ -68,15 +68,15 @@ pub fn zero_tiles(factors: &FormFactors, new: &Permutation) -> ZeroTiles {
     ZeroTiles { before: share(Permutation::identity(factors.len()).new_to_old()), after: share(new.new_to_old()) }
 }
 
-/// Fisher-Yates shuffle from a fixed seed.
-fn random_order(n: usize) -> Vec<u32> {
+/// The paper's yardstick, an order without any sense; always the same. Fisher-Yates shuffle from a fixed seed.
+pub fn random_order(n: usize) -> Permutation {
     let mut random = SplitMix(RANDOM_ORDER);
     let mut order: Vec<u32> = (0..n as u32).collect();
     for i in (1..n).rev() {
         let j = (random.next() * (i + 1) as f64) as usize;
         order.swap(i, j);
     }
-    order
+    Permutation::new(order).expect("swaps keep a permutation")
 }
 
 /// Reproducible numbers. Source: G. L. Steele, D. Lea, C. H. Flood, Fast splittable pseudorandom number
