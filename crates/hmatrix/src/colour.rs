@@ -11,7 +11,10 @@
 use radfile::Operator;
 use rayon::prelude::*;
 
-use crate::{plan::Matrix, small::eigen};
+use crate::{
+    plan::{Matrix, Side, unit},
+    small::eigen,
+};
 
 /// Weights of red, green and blue in luma (ITU-R BT.709).
 const LUMA: [f32; 3] = [0.2126, 0.7152, 0.0722];
@@ -61,7 +64,7 @@ pub fn colours(operator: &Operator) -> Vec<Colour> {
 }
 
 /// A plane of the operator in the order of clusters; `number` counts as [`colours`] does.
-pub fn plane(operator: &Operator, order: &[u32], weights: &[i8], number: usize, colour: Colour) -> Matrix {
+pub fn plane(operator: &Operator, order: &[u32], side: &Side, number: usize, colour: Colour) -> Matrix {
     let n = operator.n;
     let value = |row: u32, column: u32| {
         let k = entry(operator, row as usize, column as usize);
@@ -72,7 +75,5 @@ pub fn plane(operator: &Operator, order: &[u32], weights: &[i8], number: usize, 
     let rows = values.par_chunks_mut(n).zip(order);
     rows.for_each(|(to, &row)| to.iter_mut().zip(order).for_each(|(to, &column)| *to = value(row, column)));
     let largest = values.par_iter().map(|v| v.abs()).reduce(|| 0.0, f32::max);
-    // Scales are f16: this leaves room above for triples that cancel and nine decimal places below.
-    let unit = if largest > 0.0 { (largest / 1024.0).max(f32::MIN_POSITIVE) } else { 1.0 };
-    Matrix { n, values, unit, weights: weights.to_vec(), groups: vec![0; n] }
+    Matrix { values, unit: unit(largest), rows: side.clone(), columns: side.clone() }
 }

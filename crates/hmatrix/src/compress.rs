@@ -7,19 +7,19 @@ use crate::{
     Error, HMatrix, Params, Report, Result,
     cluster::{Tree, order},
     colour::{Colour, colours, plane},
-    plan::{Decisions, Matrix, Plan},
+    pairs::Pairs,
+    plan::{Decisions, Plan, Side},
     report::Sizes,
-    stream::{HEAVIEST, Parts, Plane},
+    search::{Round, Search, price},
+    stream::{Axis, HEAVIEST, Parts, Plane},
     trial::Trial,
 };
 
 /// How often the price of a byte is corrected at most.
-const ROUNDS: usize = 6;
+pub const ROUNDS: usize = 6;
 /// Error of the matrix over that of light, both relative, to begin with: blocks are measured where they are
 /// largest, in even light.
-const FIRST_AIM: f64 = 0.03;
-/// An error is as wanted if it is no larger, and no smaller than this share of it.
-const CLOSE: f64 = 0.96;
+pub const FIRST_AIM: f64 = 0.03;
 
 /// Packs `operator`, which is symmetric: only one of each pair of entries is looked at.
 ///
@@ -41,15 +41,17 @@ pub fn compress(
         return Err(Error::Coloured);
     }
     let tree = Tree::new(operator.n, params.leaf);
-    let groups = groups(operator);
-    let order = order(patches, &groups, tree);
+    let groups = numbers_of_groups(operator.components(), operator.n);
+    let order = order(&patches.position, &patches.normal, &groups, tree);
     let weights = weights(patches, &order);
-    let groups: Vec<u32> = order.iter().map(|&patch| groups[patch as usize]).collect();
+    let groups = order.iter().map(|&patch| groups[patch as usize]).collect();
+    let side = Side { weights: weights.clone(), groups };
     let planes = colours(operator).into_iter().enumerate().map(|(number, colour)| {
-        let matrix = Matrix { groups: groups.clone(), ..plane(operator, &order, &weights, number, colour) };
-        Stored { colour, plan: Plan::new(matrix, tree, number == 0, params.seed, progress) }
+        let matrix = plane(operator, &order, &side, number, colour);
+        Stored { colour, plan: Plan::new(matrix, Pairs::symmetric(tree), number == 0, params.seed, progress) }
     });
-    let candidates = Candidates { planes: planes.collect(), order, weights, tree, channels: operator.channels };
+    let planes = planes.collect();
+    let candidates = Candidates { planes, axis: Axis { tree, order, weights }, channels: operator.channels };
     let trial = Trial::new(operator, patches, params, params.seed, progress);
     progress.begin("choosing blocks", ROUNDS as u64);
     let (best, rounds) = candidates.search(&trial, params.error, progress);
@@ -111,19 +113,18 @@ fn check(operator: &Operator, patches: &Patches) -> Result<()> {
     }
 }
 
-/// For each patch, which of the groups that exchange nothing it is of; the largest group is 0.
-fn groups(operator: &Operator) -> Vec<u32> {
-    let mut components = operator.components();
-    components.sort_by_key(|patches| std::cmp::Reverse(patches.len()));
-    let mut groups = vec![0; operator.n];
-    for (number, patches) in components.iter().enumerate() {
-        patches.iter().for_each(|&patch| groups[patch as usize] = number as u32);
+/// For each of `n` patches, which of the groups that exchange nothing it is of; the largest group is 0.
+pub fn numbers_of_groups(mut groups: Vec<Vec<u32>>, n: usize) -> Vec<u32> {
+    groups.sort_by_key(|patches| std::cmp::Reverse(patches.len()));
+    let mut numbers = vec![0; n];
+    for (number, patches) in groups.iter().enumerate() {
+        patches.iter().for_each(|&patch| numbers[patch as usize] = number as u32);
     }
-    groups
+    numbers
 }
 
 /// √A of every place in codes; 1 at least, so that no block is without weight.
-fn weights(patches: &Patches, order: &[u32]) -> Vec<i8> {
+pub fn weights(patches: &Patches, order: &[u32]) -> Vec<i8> {
     let largest = patches.area.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
     let weight =
         |&patch: &u32| (HEAVIEST * (patches.area[patch as usize] / largest).sqrt()).round().clamp(1.0, HEAVIEST);
@@ -138,9 +139,7 @@ struct Stored {
 
 /// All that could be stored.
 struct Candidates {
-    tree: Tree,
-    order: Vec<u32>,
-    weights: Vec<i8>,
+    axis: Axis,
     channels: usize,
     planes: Vec<Stored>,
 }
@@ -162,34 +161,25 @@ impl Candidates {
     /// The fewest bytes whose error is no larger than wanted, or the smallest error; and how many were tried.
     fn search(&self, trial: &Trial, wanted: f64, progress: &dyn Progress) -> (Packed, usize) {
         let size = self.channels as f64 * self.planes[0].plan.energy();
-        // Square of the matrix error to aim at, and how much more of it reaches the light if it is colour's.
-        let (mut aim, mut weight) = ((FIRST_AIM * wanted).powi(2) * size, 2.0);
-        let mut best: Option<Packed> = None;
-        for round in 1..=ROUNDS {
-            let price = self.price(aim, weight);
+        // How much more of the error of colour reaches the light than of that of luma.
+        let mut weight = 2.0;
+        let search = Search { wanted, least: 2, most: ROUNDS, ..Search::default() };
+        let (best, rounds) = search.run((FIRST_AIM * wanted).powi(2) * size, |aim| {
+            let price = price(aim, |price| {
+                let expected = self.decide(price, weight).1;
+                expected.luma + weight * expected.colour
+            });
             let (packed, luma, expected) = self.pack(price, weight, trial);
             progress.advance(1);
-            let found = packed.error;
             let squares = trial.squares(&packed.matrix, &luma);
             let ratio = squares.colour / expected.colour / (squares.luma / expected.luma);
             if ratio.is_finite() && ratio > 0.0 {
                 weight = ratio.clamp(0.01, 100.0);
             }
-            let better = |old: &Packed| match (found <= wanted, old.error <= wanted) {
-                (true, true) => packed.matrix.to_bytes().len() < old.matrix.to_bytes().len(),
-                (false, false) => found < old.error,
-                (fits, _) => fits,
-            };
-            if best.as_ref().is_none_or(better) {
-                best = Some(packed);
-            }
-            if found == 0.0 || (CLOSE * wanted..=wanted).contains(&found) && round > 1 {
-                return (best.expect("a round was made"), round);
-            }
-            // A little below what is wanted, so that rounds end.
-            aim = (expected.luma + weight * expected.colour) * (0.985 * wanted / found).powi(2);
-        }
-        (best.expect("a round was made"), ROUNDS)
+            let matrix = expected.luma + weight * expected.colour;
+            Round { error: packed.error, bytes: packed.matrix.to_bytes().len(), matrix, packed }
+        });
+        (best.packed, rounds)
     }
 
     /// The choices of every plane. Errors of luma are in all channels; those of colour count by their weight.
@@ -203,17 +193,6 @@ impl Candidates {
         (decisions, expected)
     }
 
-    /// The price of a byte at which the square of the matrix error is `aim`, colour weighted.
-    fn price(&self, aim: f64, weight: f64) -> f64 {
-        let (mut low, mut high) = (aim * 1e-12, aim);
-        for _ in 0..30 {
-            let middle = (low * high).sqrt();
-            let expected = self.decide(middle, weight).1;
-            if expected.luma + weight * expected.colour > aim { high = middle } else { low = middle }
-        }
-        low
-    }
-
     /// The operator at a price, and the same without colour.
     fn pack(&self, price: f64, weight: f64, trial: &Trial) -> (Packed, HMatrix, Expected) {
         let (decisions, expected) = self.decide(price, weight);
@@ -223,10 +202,9 @@ impl Candidates {
             blocks: stored.plan.blocks(decisions),
         };
         let mut parts = Parts {
-            tree: self.tree,
             channels: self.channels,
-            order: self.order.clone(),
-            weights: self.weights.clone(),
+            columns: self.axis.clone(),
+            receivers: None,
             planes: self.planes.iter().zip(&decisions).map(plane).collect(),
         };
         let (bytes, sizes) = parts.write();

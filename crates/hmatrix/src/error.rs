@@ -53,6 +53,47 @@ pub enum Error {
         /// The entry.
         value: f32,
     },
+    /// Nobody receives.
+    #[error("there are no receivers; no rows can be packed (does the mesh have faces?)")]
+    NoReceivers,
+    /// Receivers and what is known of them disagree.
+    #[error("there are {positions} positions of receivers, {normals} normals and {rows} rows; take all from one bake")]
+    ReceiverCount {
+        /// Positions.
+        positions: usize,
+        /// Normals.
+        normals: usize,
+        /// Rows.
+        rows: usize,
+    },
+    /// A weight of a receiver is negative or no number.
+    #[error("receiver {receiver} has weight {value} of patch {patch}, expected 0 to 1; gather the receivers again")]
+    Weight {
+        /// Row.
+        receiver: usize,
+        /// Column.
+        patch: usize,
+        /// The weight.
+        value: f32,
+    },
+    /// A receiver would get more light than there is.
+    #[error("the weights of receiver {receiver} sum to {sum}, expected at most 1; gather the receivers again")]
+    RowSum {
+        /// Row.
+        receiver: usize,
+        /// Sum of its weights.
+        sum: f64,
+    },
+    /// A row names a patch that there is not.
+    #[error("entry {entry} of the rows names patch {patch}, there are {patches}; take rows and patches from one bake")]
+    Patch {
+        /// Number of the entry in all rows.
+        entry: usize,
+        /// The patch.
+        patch: usize,
+        /// Number of patches.
+        patches: usize,
+    },
     /// The packed operator and what is said of it disagree.
     #[error("the stream is of {found}, its certificate of {expected}; pack the operator again")]
     Certificate {

@@ -7,6 +7,9 @@
 //! only, which are three numbers. The first lane of every cluster is its weights, whose means go to many others.
 //!
 //! Every number is summed by one task in a fixed order: more threads change who computes it, never how.
+//!
+//! A rectangle is the same with panels that only take, those of clusters of receivers, and panels that only gather, those
+//! of clusters of senders.
 
 use std::{collections::BTreeMap, ops::Range};
 
@@ -19,30 +22,33 @@ use crate::{
     block::{Block, Shape},
     cluster::Tree,
     kernels::{LANES, Lanes, ROWS, across, gather, near, scatter},
-    plan::{Id, first_level},
-    stream::{HEAVIEST, Parts, Plane},
+    pairs::{Id, Pairs},
+    stream::{Axis, HEAVIEST, Parts, Plane},
     tile::Tile,
     triple::Coded,
 };
 
 /// Panels that a task handles.
 const PANELS: usize = 16;
+/// Receivers that a task handles at least where there is little to do for each.
+const RECEIVERS: usize = 4096;
 
-/// A symmetric operator K of one channel or three, compressed.
+/// A symmetric operator K of one channel or three, compressed; within a [`crate::Rectangle`] a rectangular one.
 pub struct HMatrix {
     bytes: Vec<u8>,
-    n: usize,
     channels: usize,
-    tree: Tree,
+    pairs: Pairs,
     /// Patch at each place.
     order: Vec<u32>,
-    /// Where in the padded result each patch stands.
+    /// What its light is multiplied by first.
+    scale: Vec<f32>,
+    /// Where in the padded result each receiver stands; beyond it what receives nothing.
     slot: Vec<u32>,
     /// [`LANES`] triples at one patch each; patches of a panel stand together, panels of a cluster follow each other.
     codes: Vec<[i8; LANES]>,
     /// What is gathered in the first step.
     panels: Vec<Panel>,
-    /// The other end of every lane of each panel.
+    /// The other end of every lane of each panel of receivers, which in a symmetric operator are all.
     partner: Vec<[u32; LANES]>,
     /// The scale of its triple in each colour.
     factor: Vec<Lanes>,
@@ -50,9 +56,9 @@ pub struct HMatrix {
     mean_start: Vec<u32>,
     /// First panel of the other cluster, and the mean of the block in each colour.
     means: Vec<(u32, [f32; 3])>,
-    /// Clusters of each level from the first on.
+    /// Clusters of receivers of each level from the first on.
     clusters: Vec<Vec<Cluster>>,
-    /// Tiles of each leaf.
+    /// Tiles of each leaf of receivers.
     near: Vec<Near>,
 }
 
@@ -138,7 +144,7 @@ impl HMatrix {
     ///
     /// [`crate::Error::Short`], [`crate::Error::Damaged`]. Memory stays within about a hundred times the bytes.
     pub fn from_bytes(bytes: &[u8]) -> Result<HMatrix> {
-        Ok(HMatrix::new(&Parts::read(bytes)?, bytes.to_vec()))
+        Ok(HMatrix::new(&Parts::read(bytes, false)?, bytes.to_vec()))
     }
 
     /// The packed operator.
@@ -148,7 +154,12 @@ impl HMatrix {
 
     /// Number of patches.
     pub fn patches(&self) -> usize {
-        self.n
+        self.order.len()
+    }
+
+    /// Number of rows: patches, unless it is a rectangle.
+    pub(crate) fn receivers(&self) -> usize {
+        self.slot.len()
     }
 
     /// 1 or 3.
@@ -157,20 +168,22 @@ impl HMatrix {
     }
 
     pub(crate) fn new(parts: &Parts, bytes: Vec<u8>) -> HMatrix {
-        let tree = parts.tree;
-        let width = row_width(tree);
-        let mut slot = vec![0; tree.n];
-        for leaf in 0..1usize << tree.depth {
-            for (row, place) in tree.range(tree.depth, leaf).enumerate() {
-                slot[parts.order[place] as usize] = (leaf * width + row) as u32;
+        let (pairs, rows) = (parts.pairs(), parts.rows());
+        let width = row_width(rows.tree);
+        let mut slot = vec![u32::MAX; rows.order.len()];
+        for leaf in 0..rows.tree.count(rows.tree.depth) {
+            for (row, place) in rows.tree.range(rows.tree.depth, leaf).enumerate() {
+                slot[rows.order[place] as usize] = (leaf * width + row) as u32;
             }
         }
+        // Rectangles store what is sent by a patch of the largest weight; symmetric operators are sent √A B.
+        let scale = |&weight: &i8| if parts.receivers.is_some() { f32::from(weight) / HEAVIEST } else { 1.0 };
         let mut made = HMatrix {
             bytes,
-            n: tree.n,
             channels: parts.channels,
-            tree,
-            order: parts.order.clone(),
+            pairs,
+            order: parts.columns.order.clone(),
+            scale: parts.columns.weights.iter().map(scale).collect(),
             slot,
             codes: Vec::new(),
             panels: Vec::new(),
@@ -179,56 +192,73 @@ impl HMatrix {
             factor: Vec::new(),
             mean_start: Vec::new(),
             means: Vec::new(),
-            near: Vec::new(),
+            near: near_of_leaves(parts),
         };
-        made.lay_out_clusters(parts);
-        made.fill_clusters(parts);
-        made.fill_means(parts);
-        made.near = near_of_leaves(parts);
+        let mut ends = made.lay_out_clusters(parts);
+        made.fill_triples(parts, &mut ends);
+        made.fill_means(parts, &ends);
+        made.clusters = ends.swap_remove(0).clusters;
         made
     }
 
-    /// Room for the triples of every cluster.
-    fn lay_out_clusters(&mut self, parts: &Parts) {
-        let first = first_level(self.tree);
-        let mut ends: Vec<Vec<usize>> = (first..=self.tree.depth).map(|level| vec![1; 1 << level]).collect();
+    /// Room for the triples of every cluster, of senders and, if these are others, of receivers before them.
+    fn lay_out_clusters(&mut self, parts: &Parts) -> Vec<Ends> {
+        let axes: Vec<&Axis> = parts.receivers.iter().chain([&parts.columns]).collect();
+        let zero = |axis: &&Axis| {
+            let levels = self.pairs.first..=axis.tree.depth;
+            levels.map(|level| vec![1; axis.tree.count(level)]).collect::<Vec<Vec<usize>>>()
+        };
+        let mut counts: Vec<Vec<Vec<usize>>> = axes.iter().map(zero).collect();
         for (id, triples) in parts.planes.iter().flat_map(low_rank) {
-            let level = &mut ends[(id.level - first) as usize];
-            level[id.a] += triples.len();
-            if id.a != id.b {
-                level[id.b] += triples.len();
+            let level = (id.level - self.pairs.first) as usize;
+            counts[0][level][id.a] += triples.len();
+            if !self.pairs.is_diagonal(*id) {
+                counts[axes.len() - 1][level][id.b] += triples.len();
             }
         }
-        for (level, ends) in (first..).zip(ends) {
-            let clusters = ends.iter().enumerate().map(|(index, ends)| {
-                let range = self.tree.range(level, index);
-                self.add_panels(ends.div_ceil(LANES), range.start, range.len())
-            });
-            let clusters = clusters.collect();
-            self.clusters.push(clusters);
+        let mut ends = Vec::new();
+        for (axis, counts) in axes.into_iter().zip(counts) {
+            // Panels of senders are counted anew, as those of receivers gather nothing.
+            self.panels.clear();
+            let mut clusters = Vec::new();
+            for (level, counts) in (self.pairs.first..).zip(&counts) {
+                let of_cluster = |(index, count): (usize, &usize)| {
+                    self.add_cluster(axis, axis.tree.range(level, index), count.div_ceil(LANES))
+                };
+                clusters.push(counts.iter().enumerate().map(of_cluster).collect::<Vec<_>>());
+            }
+            if ends.is_empty() {
+                self.partner = vec![[0; LANES]; self.panels.len()];
+                self.factor = vec![[[0.0; LANES]; 3]; self.panels.len()];
+            }
+            let used = counts.iter().map(|level| vec![1; level.len()]).collect();
+            ends.push(Ends { clusters, used });
         }
-        self.partner = vec![[0; LANES]; self.panels.len()];
-        self.factor = vec![[[0.0; LANES]; 3]; self.panels.len()];
+        ends
     }
 
-    fn add_panels(&mut self, count: usize, place: usize, len: usize) -> Cluster {
+    /// Panels of a cluster; the first lane of the first is its weights.
+    fn add_cluster(&mut self, axis: &Axis, places: Range<usize>, count: usize) -> Cluster {
+        let (place, len) = (places.start, places.len());
         let cluster = Cluster { first: self.panels.len(), count, codes: self.codes.len(), place, len };
         self.panels.extend((0..count).map(|k| Panel { codes: cluster.codes + k * len, place, len }));
         self.codes.resize(cluster.codes + count * len, [0; LANES]);
+        self.codes[cluster.codes..].iter_mut().zip(&axis.weights[places]).for_each(|(to, &weight)| to[0] = weight);
         cluster
     }
 
-    fn fill_clusters(&mut self, parts: &Parts) {
-        let first = first_level(self.tree);
-        let mut used: Vec<Vec<usize>> = self.clusters.iter().map(|level| vec![1; level.len()]).collect();
+    fn fill_triples(&mut self, parts: &Parts, ends: &mut [Ends]) {
+        let senders = ends.len() - 1;
         for plane in &parts.planes {
             for (id, triples) in low_rank(plane) {
-                let level = (id.level - first) as usize;
+                let level = (id.level - self.pairs.first) as usize;
                 for triple in triples {
                     let scale = plane.colour.map(|c| c * triple.factor(plane.unit));
-                    let (a, rest) = self.put_end(level, id.a, &mut used[level][id.a], &triple.codes);
-                    let b = if id.a == id.b { a } else { self.put_end(level, id.b, &mut used[level][id.b], rest).0 };
-                    for (own, other) in [(a, b), (b, a)] {
+                    let (a, rest) = ends[0].put(level, id.a, &mut self.codes, &triple.codes);
+                    let diagonal = self.pairs.is_diagonal(*id);
+                    let b = if diagonal { a } else { ends[senders].put(level, id.b, &mut self.codes, rest).0 };
+                    let both_ways = if self.pairs.is_mirrored(*id) { 2 } else { 1 };
+                    for (own, other) in [(a, b), (b, a)].into_iter().take(both_ways) {
                         let (panel, lane) = (own / LANES, own % LANES);
                         self.partner[panel][lane] = other as u32;
                         (0..3).for_each(|c| self.factor[panel][c][lane] = scale[c]);
@@ -238,25 +268,10 @@ impl HMatrix {
         }
     }
 
-    /// Puts codes into the next lane of a cluster: the lane's number, and the codes that are left.
-    fn put_end<'a>(&mut self, level: usize, index: usize, used: &mut usize, codes: &'a [i8]) -> (usize, &'a [i8]) {
-        let cluster = self.clusters[level][index];
-        let (panel, lane) = (*used / LANES, *used % LANES);
-        *used += 1;
-        let (own, rest) = codes.split_at(cluster.len);
-        let to = &mut self.codes[cluster.codes + panel * cluster.len..][..cluster.len];
-        to.iter_mut().zip(own).for_each(|(to, &code)| to[lane] = code);
-        ((cluster.first + panel) * LANES + lane, rest)
-    }
-
-    /// The first lane of every cluster, and what it exchanges.
-    fn fill_means(&mut self, parts: &Parts) {
-        let first = first_level(self.tree);
-        for c in self.clusters.iter().flatten() {
-            let own = &parts.weights[c.place..][..c.len];
-            self.codes[c.codes..][..c.len].iter_mut().zip(own).for_each(|(to, &weight)| to[0] = weight);
-        }
-        let mut found = vec![BTreeMap::<u32, [f32; 3]>::new(); self.panels.len()];
+    /// What the first lanes of clusters exchange.
+    fn fill_means(&mut self, parts: &Parts, ends: &[Ends]) {
+        let senders = &ends[ends.len() - 1];
+        let mut found = vec![BTreeMap::<u32, [f32; 3]>::new(); self.factor.len()];
         for plane in &parts.planes {
             for (id, block) in &plane.blocks {
                 let Block::LowRank { mean, .. } = block else { continue };
@@ -264,8 +279,10 @@ impl HMatrix {
                     continue;
                 }
                 let scale = plane.unit * mean.to_f32() / (HEAVIEST * HEAVIEST);
-                let [a, b] = [id.a, id.b].map(|index| self.clusters[(id.level - first) as usize][index].first);
-                for (own, other) in [(a, b), (b, a)].into_iter().take(if a == b { 1 } else { 2 }) {
+                let level = (id.level - self.pairs.first) as usize;
+                let (a, b) = (ends[0].clusters[level][id.a].first, senders.clusters[level][id.b].first);
+                let both_ways = if self.pairs.is_mirrored(*id) { 2 } else { 1 };
+                for (own, other) in [(a, b), (b, a)].into_iter().take(both_ways) {
                     let sum = found[own].entry(other as u32).or_default();
                     *sum = std::array::from_fn(|c| sum[c] + plane.colour[c] * scale);
                 }
@@ -281,17 +298,19 @@ impl HMatrix {
     /// Multiplications of a product with one channel.
     pub(crate) fn multiplications(&self) -> usize {
         let near: usize = self.near.iter().map(|near| near.codes.len() * ROWS + near.apart.len()).sum();
-        2 * self.codes.len() * LANES + self.means.len() + near
+        let gathered: usize = self.panels.iter().map(|panel| panel.len).sum();
+        let scattered: usize = self.clusters.iter().flatten().map(|c| c.count * c.len).sum();
+        (gathered + scattered) * LANES + self.means.len() + near
     }
 
     /// Memory for [`HMatrix::multiply`].
     pub fn workspace(&self) -> Workspace {
         let zero = [[0.0; LANES]; 3];
         Workspace {
-            x: vec![[0.0; 3]; self.n],
+            x: vec![[0.0; 3]; self.order.len()],
             gathered: vec![zero; self.panels.len()],
-            exchanged: vec![zero; self.panels.len()],
-            out: vec![[0.0; 3]; row_width(self.tree) << self.tree.depth],
+            exchanged: vec![zero; self.factor.len()],
+            out: vec![[0.0; 3]; row_width(self.pairs.rows) * self.near.len()],
         }
     }
 
@@ -303,19 +322,23 @@ impl HMatrix {
     /// If `x`, `y` or the workspace are of another size: a bug in the caller.
     pub fn multiply(&self, x: &[[f32; 3]], y: &mut [[f32; 3]], workspace: &mut Workspace) {
         let Workspace { x: ordered, gathered, exchanged, out } = workspace;
-        assert_eq!((x.len(), y.len(), ordered.len()), (self.n, self.n, self.n), "one value a patch");
-        assert_eq!(gathered.len(), self.panels.len(), "the workspace of this operator");
-        ordered.iter_mut().zip(&self.order).for_each(|(to, &patch)| *to = x[patch as usize]);
+        let n = self.order.len();
+        assert_eq!((x.len(), y.len(), ordered.len()), (n, self.slot.len(), n), "one value a patch");
+        let panels = (gathered.len(), exchanged.len());
+        assert_eq!(panels, (self.panels.len(), self.factor.len()), "the workspace of this operator");
+        let sent = self.order.iter().zip(&self.scale);
+        ordered.iter_mut().zip(sent).for_each(|(to, (&patch, scale))| *to = x[patch as usize].map(|x| scale * x));
         let (x, arch) = (&ordered[..], Arch::new());
         gathered.par_chunks_mut(PANELS).zip(self.panels.par_chunks(PANELS)).for_each(|(sums, panels)| {
             arch.dispatch(Gathering { codes: &self.codes, panels, x, sums });
         });
         self.exchange(gathered, exchanged);
         let exchanged = &exchanged[..];
-        out.par_chunks_mut(row_width(self.tree)).enumerate().for_each(|(leaf, out)| {
+        out.par_chunks_mut(row_width(self.pairs.rows)).enumerate().for_each(|(leaf, out)| {
             arch.dispatch(Scattering { matrix: self, leaf, x, exchanged, out });
         });
-        y.iter_mut().zip(&self.slot).for_each(|(y, &slot)| *y = out[slot as usize]);
+        let received = |slot: u32| out.get(slot as usize).copied().unwrap_or([0.0; 3]);
+        y.par_iter_mut().zip(&self.slot).with_min_len(RECEIVERS).for_each(|(y, &slot)| *y = received(slot));
     }
 
     /// Every lane takes what the other end of its triple gathered.
@@ -336,7 +359,7 @@ impl HMatrix {
     /// The rows of a leaf.
     #[inline(always)]
     fn leaf(&self, leaf: usize, x: &[[f32; 3]], exchanged: &[Lanes], out: &mut [[f32; 3]]) {
-        let rows = self.tree.range(self.tree.depth, leaf);
+        let rows = self.rows_of(leaf);
         let depth = self.clusters.len() - 1;
         for (place, out) in rows.clone().zip(out.iter_mut()) {
             let mut sum = [[0.0; LANES]; 3];
@@ -361,11 +384,15 @@ impl HMatrix {
         }
     }
 
+    fn rows_of(&self, leaf: usize) -> Range<usize> {
+        self.pairs.rows.range(self.pairs.rows.depth, leaf)
+    }
+
     /// What the product reads.
     pub fn layout(&self) -> Layout<'_> {
         let depth = self.clusters.len() - 1;
         let leaf = |(leaf, near)| Leaf {
-            rows: self.tree.range(self.tree.depth, leaf),
+            rows: self.rows_of(leaf),
             above: self.clusters.iter().enumerate().map(|(level, all)| all[leaf >> (depth - level)]).collect(),
             near,
         };
@@ -388,34 +415,28 @@ impl HMatrix {
     ///
     /// None for bytes that were read once.
     pub fn decode(&self, channel: usize) -> Result<Vec<f64>> {
-        let parts = Parts::read(&self.bytes)?;
-        let mut dense = vec![0.0; self.n * self.n];
-        let mut add = |i: usize, j: usize, value: f64| {
-            dense[parts.order[i] as usize * self.n + parts.order[j] as usize] += value;
-        };
-        for plane in &parts.planes {
-            let share = f64::from(plane.colour[channel]);
-            for (id, block) in &plane.blocks {
-                let (rows, columns) = (self.tree.range(id.level, id.a), self.tree.range(id.level, id.b));
-                let mut values = dense_block(block, plane.unit, id.shape(self.tree));
-                if let Block::LowRank { mean, .. } = block {
-                    let weight = |place: usize| f64::from(parts.weights[place]) / f64::from(HEAVIEST);
-                    let mean = f64::from(plane.unit) * mean.to_f64();
-                    values.iter_mut().enumerate().for_each(|(at, value)| {
-                        let (i, j) = (rows.start + at / columns.len(), columns.start + at % columns.len());
-                        *value += mean * weight(i) * weight(j);
-                    });
-                }
-                for (at, value) in values.into_iter().enumerate() {
-                    let (i, j) = (rows.start + at / columns.len(), columns.start + at % columns.len());
-                    add(i, j, share * value);
-                    if id.a != id.b {
-                        add(j, i, share * value);
-                    }
-                }
-            }
-        }
-        Ok(dense)
+        Ok(dense(&Parts::read(&self.bytes, false)?, channel))
+    }
+}
+
+/// Where the triples of one axis stand.
+struct Ends {
+    /// Those of each level from the first on.
+    clusters: Vec<Vec<Cluster>>,
+    /// Lanes of each that are taken.
+    used: Vec<Vec<usize>>,
+}
+
+impl Ends {
+    /// Puts codes into the next lane of a cluster: the lane's number, and the codes that are left.
+    fn put<'a>(&mut self, level: usize, index: usize, all: &mut [[i8; LANES]], codes: &'a [i8]) -> (usize, &'a [i8]) {
+        let (cluster, used) = (self.clusters[level][index], &mut self.used[level][index]);
+        let (panel, lane) = (*used / LANES, *used % LANES);
+        *used += 1;
+        let (own, rest) = codes.split_at(cluster.len);
+        let to = &mut all[cluster.codes + panel * cluster.len..][..cluster.len];
+        to.iter_mut().zip(own).for_each(|(to, &code)| to[lane] = code);
+        ((cluster.first + panel) * LANES + lane, rest)
     }
 }
 
@@ -459,7 +480,7 @@ impl WithSimd for Scattering<'_> {
 
 /// Rows of the padded result that a leaf takes.
 fn row_width(tree: Tree) -> usize {
-    tree.range(tree.depth, 0).len().next_multiple_of(ROWS)
+    tree.largest(tree.depth).next_multiple_of(ROWS).max(ROWS)
 }
 
 fn low_rank(plane: &Plane) -> impl Iterator<Item = (&Id, &Vec<Coded>)> {
@@ -467,6 +488,38 @@ fn low_rank(plane: &Plane) -> impl Iterator<Item = (&Id, &Vec<Coded>)> {
         Block::LowRank { triples, .. } => Some((id, triples)),
         _ => None,
     })
+}
+
+/// A channel of a matrix in the order of receivers and patches, row-major.
+pub(crate) fn dense(parts: &Parts, channel: usize) -> Vec<f64> {
+    let (pairs, rows, columns) = (parts.pairs(), parts.rows(), &parts.columns);
+    let width = columns.order.len();
+    let mut dense = vec![0.0; rows.order.len() * width];
+    let share = |axis: &Axis, place: usize| f64::from(axis.weights[place]) / f64::from(HEAVIEST);
+    let mut add = |i: usize, j: usize, value: f64| {
+        let scale = if parts.receivers.is_some() { share(columns, j) } else { 1.0 };
+        dense[rows.order[i] as usize * width + columns.order[j] as usize] += scale * value;
+    };
+    for plane in &parts.planes {
+        let colour = f64::from(plane.colour[channel]);
+        for (id, block) in &plane.blocks {
+            let [receivers, senders] = pairs.ranges(*id);
+            let values = dense_block(block, plane.unit, pairs.shape(*id));
+            let mean = match block {
+                Block::LowRank { mean, .. } => f64::from(plane.unit) * mean.to_f64(),
+                _ => 0.0,
+            };
+            for (at, value) in values.into_iter().enumerate() {
+                let (i, j) = (receivers.start + at / senders.len(), senders.start + at % senders.len());
+                let value = colour * (value + mean * share(rows, i) * share(columns, j));
+                add(i, j, value);
+                if pairs.is_mirrored(*id) {
+                    add(j, i, value);
+                }
+            }
+        }
+    }
+    dense
 }
 
 /// Entries of a block, row by row.
@@ -499,23 +552,24 @@ fn dense_block(block: &Block, unit: f32, shape: Shape) -> Vec<f64> {
 
 /// Tiles by the leaf of their rows. Only luma has tiles, and it is the same in all colours.
 fn near_of_leaves(parts: &Parts) -> Vec<Near> {
-    let (tree, plane) = (parts.tree, &parts.planes[0]);
-    let mut tiles: Vec<Vec<(&Tile, Id, bool)>> = vec![Vec::new(); 1 << tree.depth];
+    let (pairs, rows, plane) = (parts.pairs(), parts.rows().tree, &parts.planes[0]);
+    let mut tiles: Vec<Vec<(&Tile, Id, bool)>> = vec![Vec::new(); rows.count(rows.depth)];
     for (id, block) in &plane.blocks {
         if let Block::Tile(tile) = block {
             tiles[id.a].push((tile, *id, false));
-            if id.a != id.b {
+            if pairs.is_mirrored(*id) {
                 tiles[id.b].push((tile, *id, true));
             }
         }
     }
     let of_leaf = |(leaf, tiles): (usize, Vec<(&Tile, Id, bool)>)| {
-        let rows = tree.range(tree.depth, leaf).len();
+        let rows = rows.range(rows.depth, leaf).len();
         let mut near = Near::default();
         let mut columns: Vec<Vec<u8>> = Vec::new();
         for (tile, id, mirrored) in tiles {
-            let senders = tree.range(tree.depth, if mirrored { id.a } else { id.b });
-            let shape = id.shape(tree);
+            let [first, second] = pairs.ranges(id);
+            let senders = if mirrored { first } else { second };
+            let shape = pairs.shape(id);
             let number = |row: usize, column: usize| {
                 let (i, j) = if mirrored { (column, row) } else { (row, column) };
                 shape.entry(i, j)

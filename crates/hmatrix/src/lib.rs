@@ -16,9 +16,11 @@
 //! - `stretch.rs`: the norm of errors. `plan.rs`: what every block could be, and what it is at a price. `colour.rs`: luma and planes of colour.
 //! - `stream.rs`: the packed bytes. `hmatrix.rs`, `kernels.rs`: the form that is multiplied with.
 //! - `bounces.rs`: all bounces from the operator of one. `stage.rs`: from container to container.
-//! - `compress.rs`: all of it until the error is what was asked for; `trial.rs`: the light that decides.
+//! - `pairs.rs`: the blocks of a matrix, symmetric or not.
+//! - `compress.rs`: all of it until the error is what was asked for (`search.rs`); `trial.rs`: the light that decides.
+//! - `rows.rs`, `compress_rows.rs`, `rectangle.rs`: the same for the rows of receivers that are no patches.
 //!
-//! Start at [`compress`] and [`HMatrix::multiply`].
+//! Start at [`compress`] and [`HMatrix::multiply`], for receivers at [`compress_rows`] and [`Rectangle::multiply`].
 
 mod bits;
 mod block;
@@ -26,12 +28,17 @@ mod bounces;
 mod cluster;
 mod colour;
 mod compress;
+mod compress_rows;
 mod error;
 mod hmatrix;
 mod kernels;
+mod pairs;
 mod params;
 mod plan;
+mod rectangle;
 mod report;
+mod rows;
+mod search;
 mod sketch;
 mod small;
 mod stage;
@@ -43,10 +50,13 @@ mod triple;
 
 pub use bounces::Solve;
 pub use compress::{compress, memory_needed};
+pub use compress_rows::{RowsReport, compress_rows, rows_memory_needed};
 pub use error::{Error, Result};
 pub use hmatrix::{Cluster, HMatrix, Layout, Leaf, Near, Panel, Workspace};
 pub use kernels::{LANES, Lanes, ROWS};
 pub use params::Params;
+pub use rectangle::Rectangle;
 pub use report::Report;
+pub use rows::{Receivers, RowSource, sparse};
 pub use stage::{one_bounce, read, run};
 pub use trial::SOLVE_SHARE;

@@ -9,9 +9,9 @@ use radfile::Progress;
 use rayon::prelude::*;
 
 use crate::{
-    block::{Block, MEAN_BYTES, MOST_TRIPLES, Shape, TRIPLE_BYTES},
-    cluster::Tree,
-    sketch::{Rectangle, Triple, apart, symmetric_triples, triples},
+    block::{Block, MEAN_BYTES, MOST_TRIPLES, TRIPLE_BYTES},
+    pairs::{Id, Pairs},
+    sketch::{Dense, Triple, apart, symmetric_triples, triples},
     small::dot,
     stream::HEAVIEST,
     stretch::Stretch,
@@ -19,90 +19,67 @@ use crate::{
     triple::{self, code},
 };
 
-/// Largest cluster that has blocks; larger ones never had low rank.
-const LARGEST: usize = 600;
 /// Most triples that are tried in a block.
 const RANK: usize = 16;
 
-/// A symmetric matrix in the order of clusters, row-major.
-pub struct Matrix {
-    pub n: usize,
-    pub values: Vec<f32>,
-    /// What values are stored relative to.
-    pub unit: f32,
+/// Rows or columns of a matrix.
+#[derive(Clone)]
+pub struct Side {
     /// √A of the patch at each place, in codes.
     pub weights: Vec<i8>,
     /// The group of the patch at each place; groups exchange nothing.
     pub groups: Vec<u32>,
 }
 
+/// A matrix in the order of clusters, row-major.
+pub struct Matrix {
+    pub values: Vec<f32>,
+    /// What values are stored relative to.
+    pub unit: f32,
+    pub rows: Side,
+    pub columns: Side,
+}
+
 impl Matrix {
-    fn stretches(&self, tree: Tree, id: Id) -> [Stretch; 2] {
-        let new = if self.is_of_one_group(tree, id) { Stretch::new } else { Stretch::none };
-        [id.a, id.b].map(|cluster| new(&self.weights[tree.range(id.level, cluster)]))
+    fn stretches(&self, pairs: Pairs, id: Id) -> [Stretch; 2] {
+        let new = if self.is_of_one_group(pairs, id) { Stretch::new } else { Stretch::none };
+        let [rows, columns] = pairs.ranges(id);
+        [new(&self.rows.weights[rows]), new(&self.columns.weights[columns])]
+    }
+
+    fn groups(&self, pairs: Pairs, id: Id) -> [&[u32]; 2] {
+        let [rows, columns] = pairs.ranges(id);
+        [&self.rows.groups[rows], &self.columns.groups[columns]]
     }
 
     /// Whether all patches of rows and columns are of one group.
-    fn is_of_one_group(&self, tree: Tree, id: Id) -> bool {
-        let of = |cluster: usize| &self.groups[tree.range(id.level, cluster)];
-        of(id.a).iter().chain(of(id.b)).all(|group| *group == of(id.a)[0])
+    fn is_of_one_group(&self, pairs: Pairs, id: Id) -> bool {
+        let [rows, columns] = self.groups(pairs, id);
+        rows.iter().chain(columns).all(|group| *group == rows[0])
     }
 
-    fn row(&self, tree: Tree, id: Id, row: usize) -> &[f32] {
-        let columns = tree.range(id.level, id.b);
-        let start = (tree.range(id.level, id.a).start + row) * self.n;
-        &self.values[start + columns.start..start + columns.end]
+    fn row(&self, pairs: Pairs, id: Id, row: usize) -> &[f32] {
+        let [rows, columns] = pairs.ranges(id);
+        &self.values[(rows.start + row) * pairs.columns.n..][columns]
     }
 
     /// What a tile of the block holds.
-    fn entries(&self, tree: Tree, id: Id) -> Vec<f32> {
-        let rows = tree.range(id.level, id.a).len();
-        let stored = |i: usize| if id.a == id.b { &self.row(tree, id, i)[..=i] } else { self.row(tree, id, i) };
-        (0..rows).flat_map(stored).copied().collect()
+    fn entries(&self, pairs: Pairs, id: Id) -> Vec<f32> {
+        let diagonal = pairs.is_diagonal(id);
+        let stored = |i: usize| if diagonal { &self.row(pairs, id, i)[..=i] } else { self.row(pairs, id, i) };
+        (0..pairs.ranges(id)[0].len()).flat_map(stored).copied().collect()
     }
 }
 
-/// Two clusters of a level, a ≤ b: rows and columns of a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Id {
-    pub level: u32,
-    pub a: usize,
-    pub b: usize,
+/// What to store values relative to, of which this is the largest magnitude. Scales are f16: this leaves room above for
+/// triples that cancel and nine decimal places below.
+pub fn unit(largest: f32) -> f32 {
+    if largest > 0.0 { (largest / 1024.0).max(f32::MIN_POSITIVE) } else { 1.0 }
 }
 
-impl Id {
-    pub fn shape(self, tree: Tree) -> Shape {
-        let len = |index| tree.range(self.level, index).len();
-        match self.a == self.b {
-            true => Shape::Symmetric { size: len(self.a) },
-            false => Shape::Full { rows: len(self.a), columns: len(self.b) },
-        }
-    }
-
-    /// The blocks that it splits into.
-    pub fn children(self) -> impl Iterator<Item = Id> {
-        let Id { level, a, b } = self;
-        let mirror = (a != b).then_some((2 * a + 1, 2 * b));
-        let pairs = [(2 * a, 2 * b), (2 * a, 2 * b + 1), (2 * a + 1, 2 * b + 1)].into_iter().chain(mirror);
-        pairs.map(move |(a, b)| Id { level: level + 1, a, b })
-    }
-
-    /// All blocks of a level.
-    pub fn of_level(level: u32) -> impl Iterator<Item = Id> {
-        let count = 1usize << level;
-        (0..count).flat_map(move |a| (a..count).map(move |b| Id { level, a, b }))
-    }
-
-    /// Its place among them.
-    fn place(self) -> usize {
-        let count = 1usize << self.level;
-        self.a * count - self.a * (self.a + 1) / 2 + self.b
-    }
-}
-
-/// The level whose blocks cover the matrix before any is split.
-pub fn first_level(tree: Tree) -> u32 {
-    (0..tree.depth).find(|&level| tree.n.div_ceil(1 << level) <= LARGEST).unwrap_or(tree.depth)
+/// How often a block stands in the matrix.
+fn times(pairs: Pairs, id: Id) -> f64 {
+    if pairs.is_mirrored(id) { 2.0 } else { 1.0 }
 }
 
 /// What a block could be.
@@ -157,25 +134,30 @@ impl Decisions {
     pub fn error(&self) -> f64 {
         self.0[0].iter().map(|d| d.error).sum()
     }
+
+    /// Bytes of all blocks.
+    pub fn bytes(&self) -> f64 {
+        self.0[0].iter().map(|d| d.bytes).sum()
+    }
 }
 
 /// Candidates of every block.
 pub struct Plan {
-    tree: Tree,
+    pairs: Pairs,
     matrix: Matrix,
     levels: Vec<Vec<Candidate>>,
 }
 
 impl Plan {
     /// Computes them; `tiles` need entries that are not negative.
-    pub fn new(mut matrix: Matrix, tree: Tree, tiles: bool, seed: u64, progress: &dyn Progress) -> Plan {
-        let levels = first_level(tree)..=tree.depth;
-        let blocks: usize = levels.clone().map(|level| Id::of_level(level).count()).sum();
+    pub fn new(mut matrix: Matrix, pairs: Pairs, tiles: bool, seed: u64, progress: &dyn Progress) -> Plan {
+        let levels = pairs.first..=pairs.columns.depth;
+        let blocks: usize = levels.clone().map(|level| pairs.of_level(level).count()).sum();
         progress.begin("approximating blocks", blocks as u64);
         let of_level = |level| {
-            let ids: Vec<Id> = Id::of_level(level).collect();
+            let ids: Vec<Id> = pairs.of_level(level).collect();
             let candidate = |id| {
-                let candidate = Candidate::new(&matrix, tree, id, tiles, seed);
+                let candidate = Candidate::new(&matrix, pairs, id, tiles, seed);
                 progress.advance(1);
                 candidate
             };
@@ -186,7 +168,7 @@ impl Plan {
             // Only tiles look at entries again.
             matrix.values = Vec::new();
         }
-        Plan { tree, matrix, levels }
+        Plan { pairs, matrix, levels }
     }
 
     /// What values are stored relative to.
@@ -196,25 +178,24 @@ impl Plan {
 
     /// Sum of squares of the matrix.
     pub fn energy(&self) -> f64 {
-        let times = |id: Id| if id.a == id.b { 1.0 } else { 2.0 };
-        let ids = Id::of_level(first_level(self.tree));
-        ids.zip(&self.levels[0]).map(|(id, candidate)| times(id) * candidate.energy).sum()
+        let ids = self.pairs.of_level(self.pairs.first);
+        ids.zip(&self.levels[0]).map(|(id, candidate)| times(self.pairs, id) * candidate.energy).sum()
     }
 
     /// The cheapest choice of every block at a price of a byte.
     pub fn decide(&self, price: f64) -> Decisions {
-        let first = first_level(self.tree);
+        let pairs = self.pairs;
         let mut decided: Vec<Vec<Decision>> = Vec::new();
         for (above, candidates) in self.levels.iter().enumerate().rev() {
             let below = decided.last();
-            let ids: Vec<Id> = Id::of_level(first + above as u32).collect();
+            let ids: Vec<Id> = pairs.of_level(pairs.first + above as u32).collect();
             let decide = |(id, candidate): (Id, &Candidate)| {
-                let own = candidate.cheapest(id, self.tree, price);
+                let own = candidate.cheapest(id, pairs, price);
                 let Some(below) = below else { return own };
                 let mut split = Decision { error: 0.0, bytes: 1.0, choice: Choice::Split };
-                for child in id.children() {
-                    split.error += below[child.place()].error;
-                    split.bytes += below[child.place()].bytes;
+                for child in pairs.children(id) {
+                    split.error += below[pairs.place(child)].error;
+                    split.bytes += below[pairs.place(child)].bytes;
                 }
                 if split.cost(price) < own.cost(price) { split } else { own }
             };
@@ -226,16 +207,16 @@ impl Plan {
 
     /// The chosen blocks as they are written: a split one before those that it splits into.
     pub fn blocks(&self, decisions: &Decisions) -> Vec<(Id, Block)> {
-        let first = first_level(self.tree);
+        let pairs = self.pairs;
         let mut blocks = Vec::new();
-        let mut open: Vec<Id> = Id::of_level(first).collect();
+        let mut open: Vec<Id> = pairs.of_level(pairs.first).collect();
         open.reverse();
         while let Some(id) = open.pop() {
-            let level = (id.level - first) as usize;
-            let candidate = &self.levels[level][id.place()];
-            let block = match &decisions.0[level][id.place()].choice {
+            let (level, place) = ((id.level - pairs.first) as usize, pairs.place(id));
+            let candidate = &self.levels[level][place];
+            let block = match &decisions.0[level][place].choice {
                 Choice::LowRank(mean, kept) => {
-                    let sides = self.matrix.stretches(self.tree, id);
+                    let sides = self.matrix.stretches(pairs, id);
                     let lengths = sides[0].length * sides[1].length;
                     let mean = mean * f64::from(HEAVIEST).powi(2) / (lengths * f64::from(self.unit()));
                     let mean = f16::from_f64(mean);
@@ -245,10 +226,10 @@ impl Plan {
                     Block::LowRank { mean, triples: coded.collect() }
                 }
                 Choice::Tile(bits) => {
-                    Block::Tile(Tile::new(&self.matrix.entries(self.tree, id), self.unit(), tile::BITS[*bits]))
+                    Block::Tile(Tile::new(&self.matrix.entries(pairs, id), self.unit(), tile::BITS[*bits]))
                 }
                 Choice::Split => {
-                    let children: Vec<Id> = id.children().collect();
+                    let children: Vec<Id> = pairs.children(id).collect();
                     open.extend(children.into_iter().rev());
                     Block::Split
                 }
@@ -260,33 +241,31 @@ impl Plan {
 }
 
 impl Candidate {
-    fn new(matrix: &Matrix, tree: Tree, id: Id, with_tiles: bool, seed: u64) -> Candidate {
-        let sides = matrix.stretches(tree, id);
+    fn new(matrix: &Matrix, pairs: Pairs, id: Id, with_tiles: bool, seed: u64) -> Candidate {
+        let sides = matrix.stretches(pairs, id);
         let [left, right] = &sides;
         let (rows, columns) = (left.along.len(), right.along.len());
-        let exact: Vec<f64> = (0..rows).flat_map(|i| matrix.row(tree, id, i)).map(|&v| f64::from(v)).collect();
+        let exact: Vec<f64> = (0..rows).flat_map(|i| matrix.row(pairs, id, i)).map(|&v| f64::from(v)).collect();
         let mut stretched = exact.clone();
         left.both(right, &mut stretched);
-        let block = Rectangle { values: &stretched, rows, columns };
+        let block = Dense { values: &stretched, rows, columns };
         let energy = dot(&stretched, &stretched);
         let widened = |w: &f64, i: usize| w * dot(&exact[i * columns..][..columns], &right.along);
         let mean = left.along.iter().enumerate().map(|(i, w)| widened(w, i)).sum();
-        let (leaf, diagonal) = (id.level == tree.depth, id.a == id.b);
-        let approximate = |block: Rectangle| match (leaf, diagonal) {
+        let (leaf, diagonal, shape) = (pairs.is_leaf(id), pairs.is_diagonal(id), pairs.shape(id));
+        let fits_tile = shape.entries() <= tile::MOST;
+        let approximate = |block: Dense| match (leaf, diagonal) {
             // Past a third of the rank a tile is cheaper.
             (true, true) => symmetric_triples(block, RANK),
-            (true, false) => triples(block, RANK.min(block.rows.div_ceil(2)), seed),
+            (true, false) if fits_tile => triples(block, RANK.min(block.rows.div_ceil(2)), seed),
             (false, true) => Vec::new(),
-            (false, false) => triples(block, RANK, seed),
+            (_, false) => triples(block, RANK, seed),
         };
-        let one_group = matrix.is_of_one_group(tree, id);
+        let one_group = matrix.is_of_one_group(pairs, id);
         let found = match energy == 0.0 {
             true => Vec::new(),
             false if one_group => approximate(block),
-            false => {
-                let groups = [id.a, id.b].map(|cluster| &matrix.groups[tree.range(id.level, cluster)]);
-                apart(block, groups, RANK, approximate)
-            }
+            false => apart(block, matrix.groups(pairs, id), RANK, approximate),
         };
         let quality = |t: &Triple, bits: usize| {
             let (coded, error) = code(t, matrix.unit, bits, &sides);
@@ -302,12 +281,12 @@ impl Candidate {
         };
         let triples = found.into_iter().take(MOST_TRIPLES).map(qualities).collect();
         let mut tiles = Vec::new();
-        if with_tiles && leaf && energy > 0.0 {
-            let entries = matrix.entries(tree, id);
+        if with_tiles && leaf && fits_tile && energy > 0.0 {
+            let entries = matrix.entries(pairs, id);
             tiles.extend(tile::BITS.map(|bits| {
                 let tile = Tile::new(&entries, matrix.unit, bits);
                 let decoded = tile.entries(matrix.unit);
-                let at = |i, j| f64::from(decoded[id.shape(tree).entry(i, j)]);
+                let at = |i, j| f64::from(decoded[shape.entry(i, j)]);
                 let mut error: Vec<f64> =
                     exact.iter().enumerate().map(|(k, x)| x - at(k / columns, k % columns)).collect();
                 left.both(right, &mut error);
@@ -320,9 +299,9 @@ impl Candidate {
     }
 
     /// The cheapest of all that is no split.
-    fn cheapest(&self, id: Id, tree: Tree, price: f64) -> Decision {
-        let times = if id.a == id.b { 1.0 } else { 2.0 };
-        let codes = id.shape(tree).codes() as f64;
+    fn cheapest(&self, id: Id, pairs: Pairs, price: f64) -> Decision {
+        let times = times(pairs, id);
+        let codes = pairs.shape(id).codes() as f64;
         // With the mean that triples leave, if that is worth its bytes.
         let finished = |error: f64, bytes: f64, mean: f64| {
             let square = (self.stretch * mean).powi(2);

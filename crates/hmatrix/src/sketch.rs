@@ -14,13 +14,13 @@ const ROUNDING: f64 = 1e-12;
 
 /// A row-major matrix.
 #[derive(Clone, Copy)]
-pub struct Rectangle<'a> {
+pub struct Dense<'a> {
     pub values: &'a [f64],
     pub rows: usize,
     pub columns: usize,
 }
 
-impl<'a> Rectangle<'a> {
+impl<'a> Dense<'a> {
     pub fn row(&self, i: usize) -> &'a [f64] {
         &self.values[i * self.columns..][..self.columns]
     }
@@ -36,7 +36,7 @@ pub struct Triple {
 }
 
 /// Up to `rank` triples, largest first; the same for the same seed.
-pub fn triples(block: Rectangle, rank: usize, seed: u64) -> Vec<Triple> {
+pub fn triples(block: Dense, rank: usize, seed: u64) -> Vec<Triple> {
     let (m, k) = (block.rows, block.columns);
     let p = (rank + OVERSAMPLING).min(m).min(k);
     let q = if p == m { identity(m) } else { range(block, p, seed) };
@@ -61,7 +61,7 @@ pub fn triples(block: Rectangle, rank: usize, seed: u64) -> Vec<Triple> {
 }
 
 /// Up to `rank` eigenpairs of a small symmetric block.
-pub fn symmetric_triples(block: Rectangle, rank: usize) -> Vec<Triple> {
+pub fn symmetric_triples(block: Dense, rank: usize) -> Vec<Triple> {
     let columns = (0..block.rows).map(|i| block.row(i).to_vec()).collect();
     let pairs = eigen(columns).into_iter().take(rank).filter(|pair| pair.0 != 0.0);
     pairs.map(|(sigma, u)| Triple { sigma, u: u.into_iter().map(|x| x as f32).collect(), v: Vec::new() }).collect()
@@ -70,10 +70,10 @@ pub fn symmetric_triples(block: Rectangle, rank: usize) -> Vec<Triple> {
 /// Up to `rank` triples of a block whose rows and columns are of several groups, each triple exactly 0 outside of one of
 /// them: entries between groups are 0, and stay it in any code.
 pub fn apart(
-    block: Rectangle,
+    block: Dense,
     groups: [&[u32]; 2],
     rank: usize,
-    approximate: impl Fn(Rectangle) -> Vec<Triple>,
+    approximate: impl Fn(Dense) -> Vec<Triple>,
 ) -> Vec<Triple> {
     let all: BTreeSet<u32> = groups[0].iter().copied().collect();
     let mut found = Vec::new();
@@ -91,7 +91,7 @@ pub fn apart(
             places.iter().zip(part).for_each(|(&at, &x)| whole[at] = x);
             whole
         };
-        let own = approximate(Rectangle { values: &values, rows: rows.len(), columns: columns.len() });
+        let own = approximate(Dense { values: &values, rows: rows.len(), columns: columns.len() });
         found.extend(own.into_iter().map(|t| Triple {
             sigma: t.sigma,
             u: spread(&t.u, &rows, block.rows),
@@ -108,7 +108,7 @@ fn identity(m: usize) -> Vec<Vec<f64>> {
 }
 
 /// An orthonormal basis of B Ω.
-fn range(block: Rectangle, p: usize, seed: u64) -> Vec<Vec<f64>> {
+fn range(block: Dense, p: usize, seed: u64) -> Vec<Vec<f64>> {
     let omega: Vec<Vec<f64>> = (0..p).map(|c| (0..block.columns).map(|j| random(seed, j, c)).collect()).collect();
     let mut image = vec![vec![0.0; block.rows]; p];
     for i in 0..block.rows {

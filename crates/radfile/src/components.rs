@@ -7,30 +7,53 @@ impl Operator<'_> {
     /// groups of their own, and packing must not let light from one to the other.
     pub fn components(&self) -> Vec<Vec<u32>> {
         let n = self.n;
-        let mut parent: Vec<u32> = (0..n as u32).collect();
+        let mut groups = Groups::new(n);
         for row in 0..n {
             let exchanges = |column: &usize| (0..self.channels).any(|c| self.channel(c)[row * n + column] > 0.0);
-            for column in (0..row).filter(exchanges) {
-                let (a, b) = (root(&mut parent, row as u32), root(&mut parent, column as u32));
-                parent[a.max(b) as usize] = a.min(b);
-            }
+            (0..row).filter(exchanges).for_each(|column| groups.join(row as u32, column as u32));
         }
-        let mut groups = vec![Vec::new(); n];
-        for patch in 0..n as u32 {
-            groups[root(&mut parent, patch) as usize].push(patch);
-        }
-        groups.retain(|group| !group.is_empty());
-        groups
+        groups.lists()
     }
 }
 
-/// The first patch of a group, which shortens the way to it.
-fn root(parent: &mut [u32], mut patch: u32) -> u32 {
-    while parent[patch as usize] != patch {
-        parent[patch as usize] = parent[parent[patch as usize] as usize];
-        patch = parent[patch as usize];
+/// Patches that are joined two by two.
+pub struct Groups {
+    /// Another patch of the group, or itself.
+    parent: Vec<u32>,
+}
+
+impl Groups {
+    /// `n` patches, each a group.
+    pub fn new(n: usize) -> Groups {
+        Groups { parent: (0..n as u32).collect() }
     }
-    patch
+
+    /// Makes one group of those of two patches.
+    ///
+    /// # Panics
+    ///
+    /// If there are no such patches.
+    pub fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.first(a), self.first(b));
+        self.parent[a.max(b) as usize] = a.min(b);
+    }
+
+    /// The groups by their first patch; patches increase.
+    pub fn lists(mut self) -> Vec<Vec<u32>> {
+        let mut lists = vec![Vec::new(); self.parent.len()];
+        (0..self.parent.len() as u32).for_each(|patch| lists[self.first(patch) as usize].push(patch));
+        lists.retain(|list| !list.is_empty());
+        lists
+    }
+
+    /// The first patch of a group, which shortens the way to it.
+    fn first(&mut self, mut patch: u32) -> u32 {
+        while self.parent[patch as usize] != patch {
+            self.parent[patch as usize] = self.parent[self.parent[patch as usize] as usize];
+            patch = self.parent[patch as usize];
+        }
+        patch
+    }
 }
 
 #[cfg(test)]

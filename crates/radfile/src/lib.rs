@@ -63,6 +63,7 @@ mod table;
 mod transfer;
 
 pub use builder::{Builder, Sink};
+pub use components::Groups;
 pub use container::{Container, Section};
 pub use diff::{Report, SectionDiff, Tolerance, Verdict, diff};
 pub use element::{Element, ElementType};
