@@ -3,9 +3,9 @@
 // codes_sampled.wgsl: codes of the operator from a block-compressed texture that the hardware decodes.
 // Joined behind product.wgsl; holds no entry point.
 //
-// twin       radfile::PackedOperator::decode_rows
+// twin       radfile::PackedOperator::codes
 // units      1
-// layout     one layer a tile
+// layout     radfile::PackedOperator::texture_size
 // limits     as many layers as the adapter's arrays have
 // tolerance  the adapter's: up to 2/255 a code on software adapters, which is why it is probed
 

@@ -8,7 +8,7 @@
 //            2-bit indices (Khronos Data Format Specification 1.3, 18.1 and 18.4)
 // twin       bc4_palette, bc1_palette in crates/radfile/src/packed.rs
 // units      1
-// layout     8 bytes a block as two words, in the order of radfile::Packing::block_offset
+// layout     8 bytes a block as two words, in the order of the container
 // tolerance  2 eps, eps = 2^-23
 
 @group(0) @binding(7) var<storage, read> blocks: array<vec2<u32>>;
@@ -60,8 +60,7 @@ fn bc1_code(block: vec2<u32>, texel: u32) -> vec3<f32> {
 }
 
 fn code(tile: u32, row: u32, column: u32) -> vec3<f32> {
-    let edge = params.tile / 4u;
-    let block = blocks[(tile * edge + row / 4u) * edge + column / 4u];
+    let block = blocks[(tile * params.high + row / 4u) * params.wide + column / 4u];
     let texel = row % 4u * 4u + column % 4u;
     if params.bc1 == 1u {
         return bc1_code(block, texel);

@@ -3,14 +3,16 @@
 // product.wgsl: all bounces at once, the packed operator times what the patches send. Joined with
 // codes_sampled.wgsl or codes_stored.wgsl, which say where the codes of the texels come from.
 //
-// equation   H = A^{-1/2} K x;  K = map(code) + remainder of the outliers
+// equation   H = A^{-1/2} K x;  K = map(code) + remainder of the outliers. Where half of the matrix is stored, K is
+//            luma, and texels above the diagonal are those below; colour_*.wgsl add the colour
 //            map: scale exp(shift (u - 1)), 0 at u = 0 (logarithm); scale u^2 (square root)
 // twin       radfile::PackedOperator::decode, its product in crates/relight
 // dispatch   one workgroup for four rows of texels (a row of blocks), workgroups in two dimensions; each
 //            invocation takes every 64th block, then the workgroup adds up
 // units      x W/m; K 1; H W/m2, linear RGB
 // layout     rows are receivers, columns senders; texel (x, y) of tile (tile_row, tile_column) of a plane is
-//            row tile_row * tile + y, column tile_column * tile + x
+//            row tile_row * tile + y, column tile_column * tile + x. Half: block (i, j), j <= i, is number
+//            i (i + 1) / 2 + j, in the order of layers, rows and columns of blocks
 // limits     16 KiB / 4 of workgroup storage; 262140 patches in one dimension of workgroups, then the second
 // tolerance  stored codes: n eps K |x| against f64, eps = 2^-23; sampled codes: what the sampler decodes,
 //            probed at start-up
@@ -29,6 +31,12 @@ struct ProductParams {
     // 1 for BC1, 0 for BC4.
     bc1: u32,
     scale: vec4<f32>,
+    // 1 where half of the matrix is stored.
+    half: u32,
+    // Columns and rows of blocks of a layer.
+    wide: u32,
+    high: u32,
+    unused: u32,
 }
 
 @group(0) @binding(0) var<uniform> params: ProductParams;
@@ -47,14 +55,35 @@ fn tile_index(plane: u32, row: u32, column: u32) -> u32 {
     return (plane * params.tiles + row / params.tile) * params.tiles + column / params.tile;
 }
 
-// Value of the operator in each channel, without outliers.
-fn texel_value(row: u32, column: u32) -> vec3<f32> {
+// Code of a texel of half a matrix, or of its mirror image.
+fn half_code(row: u32, column: u32) -> vec3<f32> {
+    let i = max(row, column);
+    let j = min(row, column);
+    let number = i / 4u * (i / 4u + 1u) / 2u + j / 4u;
+    let in_layer = number % (params.wide * params.high);
+    let texel = vec2(in_layer / params.wide * 4u + i % 4u, in_layer % params.wide * 4u + j % 4u);
+    return vec3(code(number / (params.wide * params.high), texel.x, texel.y).x);
+}
+
+// Code of a texel of the whole matrix in each channel.
+fn whole_code(row: u32, column: u32) -> vec3<f32> {
     var u = code(tile_index(0u, row, column), row % params.tile, column % params.tile);
     if params.planes == 3u {
         u.y = code(tile_index(1u, row, column), row % params.tile, column % params.tile).x;
         u.z = code(tile_index(2u, row, column), row % params.tile, column % params.tile).x;
     } else if params.channels == 1u {
         u = vec3(u.x);
+    }
+    return u;
+}
+
+// Value of the operator in each channel, without outliers.
+fn texel_value(row: u32, column: u32) -> vec3<f32> {
+    var u: vec3<f32>;
+    if params.half == 1u {
+        u = half_code(row, column);
+    } else {
+        u = whole_code(row, column);
     }
     if params.logarithmic == 1u {
         return select(vec3(0.0), params.scale.xyz * exp(params.shift * (u - 1.0)), u > vec3(0.0));

@@ -24,6 +24,12 @@ pub const PRODUCT_SAMPLED: &str =
     concat!(include_str!("../../../shaders/product.wgsl"), include_str!("../../../shaders/codes_sampled.wgsl"));
 pub const PRODUCT_STORED: &str =
     concat!(include_str!("../../../shaders/product.wgsl"), include_str!("../../../shaders/codes_stored.wgsl"));
+pub const COLOUR_GATHER: &str =
+    concat!(include_str!("../../../shaders/colour.wgsl"), include_str!("../../../shaders/colour_gather.wgsl"));
+pub const COLOUR_CORE: &str =
+    concat!(include_str!("../../../shaders/colour.wgsl"), include_str!("../../../shaders/colour_core.wgsl"));
+pub const COLOUR_SCATTER: &str =
+    concat!(include_str!("../../../shaders/colour.wgsl"), include_str!("../../../shaders/colour_scatter.wgsl"));
 pub const HMATRIX_GATHER: &str = include_str!("../../../shaders/hmatrix_gather.wgsl");
 pub const HMATRIX_EXCHANGE: &str = include_str!("../../../shaders/hmatrix_exchange.wgsl");
 pub const HMATRIX_SCATTER: &str = include_str!("../../../shaders/hmatrix_scatter.wgsl");
@@ -171,6 +177,7 @@ mod tests {
 
     use super::*;
     use crate::{
+        colour::{Column, Member},
         gather::GatherParams,
         hierarchical::{Panel, ScatterParams, Term},
         lamp::Lamp,
@@ -180,7 +187,7 @@ mod tests {
         view::View,
     };
 
-    const ALL: [(&str, &str); 13] = [
+    const ALL: [(&str, &str); 16] = [
         ("shadow_map", SHADOW_MAP),
         ("direct", DIRECT),
         ("patch_light", PATCH_LIGHT),
@@ -188,6 +195,9 @@ mod tests {
         ("radiosity", RADIOSITY),
         ("product sampled", PRODUCT_SAMPLED),
         ("product stored", PRODUCT_STORED),
+        ("colour_gather", COLOUR_GATHER),
+        ("colour_core", COLOUR_CORE),
+        ("colour_scatter", COLOUR_SCATTER),
         ("hmatrix_gather", HMATRIX_GATHER),
         ("hmatrix_exchange", HMATRIX_EXCHANGE),
         ("hmatrix_scatter", HMATRIX_SCATTER),
@@ -238,7 +248,7 @@ mod tests {
             }
             files += 1;
         }
-        assert_eq!(files, 16);
+        assert_eq!(files, 20);
     }
 
     #[test]
@@ -265,9 +275,11 @@ mod tests {
                 source,
                 "ProductParams",
                 ProductParams,
-                [patch_count, tile, tiles, planes, channels, logarithmic, shift, bc1, scale]
+                [patch_count, tile, tiles, planes, channels, logarithmic, shift, bc1, scale, half, wide, high, unused]
             );
         }
+        same_layout!(COLOUR_GATHER, "Column", Column, [codes, members, count, first, rank, core]);
+        same_layout!(COLOUR_GATHER, "Member", Member, [patch_number, scale, first]);
         same_layout!(HMATRIX_GATHER, "Panel", Panel, [codes, place, len, sums]);
         same_layout!(HMATRIX_EXCHANGE, "Term", Term, [factor, source]);
         same_layout!(HMATRIX_SCATTER, "ScatterParams", ScatterParams, [parts, runs, unused_a, unused_b]);

@@ -13,6 +13,7 @@
 //! Lights and cameras come in the scene file's axes, points in local axes: the scene's minus `mesh.origin`.
 
 mod buffers;
+mod colour;
 mod emitters;
 mod error;
 mod frame;

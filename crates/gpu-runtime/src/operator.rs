@@ -1,12 +1,13 @@
 //! The packed operator on the GPU and its product.
 
 use bytemuck::{Pod, Zeroable};
-use radfile::{BlockFormat, PackedOperator, Packing, ValueMap};
+use radfile::{BlockFormat, PackedOperator, ValueMap};
 use serde::Serialize;
 use wgpu::util::DeviceExt;
 
 use crate::{
     Error, Gpu, Result,
+    colour::Colour,
     kernels::{self, Kernel},
 };
 
@@ -35,10 +36,16 @@ pub struct ProductParams {
     pub shift: f32,
     pub bc1: u32,
     pub scale: [f32; 4],
+    pub half: u32,
+    pub wide: u32,
+    pub high: u32,
+    pub unused: u32,
 }
 
 impl ProductParams {
-    fn new(p: &Packing) -> ProductParams {
+    fn new(packed: &PackedOperator) -> ProductParams {
+        let p = &packed.packing;
+        let [width, height, _] = packed.texture_size();
         let [r, g, b] = p.scale;
         let (logarithmic, shift) = match p.map {
             ValueMap::Log { shift } => (1, shift),
@@ -48,12 +55,16 @@ impl ProductParams {
             patch_count: p.n,
             tile: p.tile,
             tiles: p.tiles,
-            planes: p.planes() as u32,
-            channels: p.channels,
+            planes: packed.planes() as u32,
+            channels: if packed.half.is_some() { 1 } else { p.channels },
             logarithmic,
             shift,
             bc1: u32::from(p.format == BlockFormat::Bc1),
             scale: if p.channels == 1 { [r, r, r, 0.0] } else { [r, g, b, 0.0] },
+            half: u32::from(packed.half.is_some()),
+            wide: width / 4,
+            high: height / 4,
+            unused: 0,
         }
     }
 }
@@ -70,6 +81,7 @@ pub struct Operator {
     params: wgpu::Buffer,
     blocks: Blocks,
     outliers: [wgpu::Buffer; 3],
+    colour: Option<Colour>,
     n: usize,
     /// Length of the vector of senders, whole tiles.
     width: usize,
@@ -91,15 +103,17 @@ impl Operator {
             let blocks = gpu.storage("the packed operator", &packed.blocks[..], FEWER)?;
             (gpu.kernel("product", kernels::PRODUCT_STORED), Blocks::Buffer(blocks))
         };
+        let outliers = packed.outliers();
         Ok(Operator {
             kernel,
-            params: gpu.uniform("product", &ProductParams::new(p)),
+            params: gpu.uniform("product", &ProductParams::new(packed)),
             blocks,
             outliers: [
-                gpu.storage("outliers", &packed.outlier_start[..], FEWER)?,
-                gpu.storage("columns of outliers", &packed.outlier_column[..], FEWER)?,
-                gpu.storage("values of outliers", &packed.outlier_value[..], FEWER)?,
+                gpu.storage("outliers", &outliers.start[..], FEWER)?,
+                gpu.storage("columns of outliers", &outliers.column[..], FEWER)?,
+                gpu.storage("values of outliers", &outliers.value[..], FEWER)?,
             ],
+            colour: Colour::new(gpu, packed)?,
             n: p.n as usize,
             width: p.tile as usize * p.tiles as usize,
         })
@@ -127,10 +141,13 @@ impl Operator {
             Blocks::Buffer(buffer) => buffer.as_entire_binding(),
         });
         self.kernel.groups(gpu, encoder, &resources, self.n.div_ceil(4));
+        if let Some(colour) = &self.colour {
+            colour.add(gpu, encoder, factors, x, h);
+        }
     }
 }
 
-/// Uploads the tiles as the layers of a texture.
+/// Uploads the blocks as an array texture.
 fn texture(gpu: &Gpu, packed: &PackedOperator) -> Result<wgpu::TextureView> {
     let (p, limits) = (&packed.packing, gpu.device.limits());
     if !gpu.has_block_textures() {
@@ -140,11 +157,11 @@ fn texture(gpu: &Gpu, packed: &PackedOperator) -> Result<wgpu::TextureView> {
             remedy: "let the kernel decode the blocks, or use --backend cpu",
         });
     }
-    let layers = p.tile_count() as u32;
-    if layers > limits.max_texture_array_layers || p.tile > limits.max_texture_dimension_2d {
+    let [width, height, layers] = packed.texture_size();
+    if layers > limits.max_texture_array_layers || width.max(height) > limits.max_texture_dimension_2d {
         return Err(Error::TooLarge {
             what: "the packed operator",
-            need: format!("{layers} layers of {} x {} texels", p.tile, p.tile),
+            need: format!("{layers} layers of {width} x {height} texels"),
             adapter: gpu.adapter().to_string(),
             limit: format!("{} of {}", limits.max_texture_array_layers, limits.max_texture_dimension_2d),
             rule: "maxTextureArrayLayers, maxTextureDimension2D",
@@ -153,7 +170,7 @@ fn texture(gpu: &Gpu, packed: &PackedOperator) -> Result<wgpu::TextureView> {
     }
     let descriptor = wgpu::TextureDescriptor {
         label: Some("packed operator"),
-        size: wgpu::Extent3d { width: p.tile, height: p.tile, depth_or_array_layers: layers },
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: layers },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
@@ -165,7 +182,7 @@ fn texture(gpu: &Gpu, packed: &PackedOperator) -> Result<wgpu::TextureView> {
         view_formats: &[],
     };
     let order = wgpu::util::TextureDataOrder::LayerMajor;
-    let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, order, &packed.blocks);
+    let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, order, &packed.texture_blocks());
     Ok(texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()

@@ -41,12 +41,18 @@ fn sample(packed: &PackedOperator) -> PackedOperator<'static> {
     let blocks = (p.n as usize).div_ceil(4);
     let edge = blocks.min(EDGE);
     let (tile, tiles) = Packing::tiling(4 * edge as u32);
-    let packing = Packing { n: 4 * edge as u32, tile, tiles, ..p.clone() };
+    let channels = if packed.half.is_some() { 1 } else { p.channels };
+    let packing = Packing { n: 4 * edge as u32, channels, tile, tiles, ..p.clone() };
     let mut bytes = Vec::with_capacity(packing.planes() * edge * edge * 8);
     for plane in 0..packing.planes() {
         for k in 0..edge * edge {
-            let [row, column] = [k / edge, k % edge].map(|i| 4 * (i * blocks / edge));
-            let at = p.block_offset(plane, row, column);
+            let at = if packed.half.is_some() {
+                // Half has no rows to step over.
+                8 * (k * (packed.blocks.len() / 8) / (edge * edge))
+            } else {
+                let [row, column] = [k / edge, k % edge].map(|i| 4 * (i * blocks / edge));
+                p.block_offset(plane, row, column)
+            };
             bytes.extend_from_slice(&packed.blocks[at..at + 8]);
         }
     }

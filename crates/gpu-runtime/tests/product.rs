@@ -4,7 +4,7 @@ mod common;
 
 use common::{Numbers, Room, empty_operator, gpu, room, wall};
 use gpu_runtime::{Decode, Gpu, GpuRuntime, Params};
-use radfile::{BlockFormat, PackedOperator, ValueMap};
+use radfile::{BlockFormat, Colour, NO_COMPONENT, PackedOperator, ValueMap, half_blocks};
 
 const LOG: ValueMap = ValueMap::Log { shift: 9.0 };
 
@@ -74,6 +74,69 @@ fn random_operator(n: u32, channels: u32, format: BlockFormat, map: ValueMap) ->
     }
     (packed.outlier_start, packed.outlier_column, packed.outlier_value) = (start.into(), column.into(), value.into());
     packed
+}
+
+/// Half of random blocks, and colour in two components beside patches without.
+fn half_operator(n: u32, map: ValueMap) -> PackedOperator<'static> {
+    let mut packed = random_operator(n, 3, BlockFormat::Bc4, map);
+    let mut numbers = Numbers(u64::from(n) + 9);
+    packed.packing.scale = [0.9; 3];
+    packed.blocks = (0..half_blocks(n)).flat_map(|_| numbers.bits().to_le_bytes()).collect();
+    let (mut start, mut column) = (vec![0], vec![]);
+    for row in 0..n {
+        column.extend((0..=row).filter(|j| (row + j) % 31 == 0));
+        start.push(column.len() as u32);
+    }
+    packed.outlier_value = column.iter().map(|_| numbers.unit() - 0.3).collect();
+    (packed.outlier_start, packed.outlier_column) = (start.into(), column.into());
+    let component: Vec<u16> = (0..n).map(|i| [0, 0, 1, NO_COMPONENT][i as usize % 4]).collect();
+    let count = |k: u16| component.iter().filter(|c| **c == k).count();
+    let codes = 21 * count(0) + 2 * count(1);
+    packed.half = Some(Colour {
+        axes: vec![[0.7, -0.3, 0.1], [-0.1, 0.0, 0.9]],
+        rank: vec![21, 2],
+        scale: (0..n).map(|_| numbers.unit()).collect(),
+        codes: (0..codes).map(|_| numbers.bits() as u8).collect(),
+        core: (0..2 * (21 * 22 / 2 + 3)).map(|_| 0.5 * (numbers.unit() - 0.5)).collect(),
+        component: component.into(),
+    });
+    packed
+}
+
+/// More blocks than a row of the texture holds, at 405 patches, and fewer.
+#[test]
+fn half_an_operator_and_its_colour_give_the_exact_product() {
+    let Some(gpu) = gpu() else { return };
+    for (n, map) in [(61, LOG), (405, ValueMap::Sqrt), (405, LOG)] {
+        let (room, h0, packed) = (strip(n), light(n), half_operator(n, map));
+        let truth = exact(&room, &h0, |c| packed.decode(c));
+        let mut grey = packed.clone();
+        grey.half = Some(Colour::default());
+        let without = exact(&room, &h0, |c| grey.decode(c));
+        assert!(largest_difference(&without, &truth) > 0.05, "the colour is to be seen");
+        let found = runtime(&gpu, &room, &packed, Decode::Stored).patch_indirect(&h0).unwrap();
+        let off = largest_difference(&found, &truth);
+        assert!(off < 1e-5, "{n} {map:?}: {off:e}");
+        let found = runtime(&gpu, &room, &grey, Decode::Stored).patch_indirect(&h0).unwrap();
+        let off = largest_difference(&found, &without);
+        assert!(off < 1e-5, "{n} {map:?} without colour: {off:e}");
+    }
+}
+
+/// Blocks of ends only, as of the whole operator: then the sampler has nothing to round.
+#[test]
+fn the_sampler_finds_every_block_of_half_an_operator() {
+    let Some(gpu) = gpu() else { return };
+    for n in [61, 405] {
+        let (room, h0, mut packed) = (strip(n), light(n), half_operator(n, ValueMap::Sqrt));
+        for block in packed.blocks.to_mut().as_chunks_mut::<8>().0 {
+            let bits = u64::from_le_bytes(*block);
+            *block = (bits & 0o1111_1111_1111_1111 << 16 | bits & 0xffff).to_le_bytes();
+        }
+        let found = runtime(&gpu, &room, &packed, Decode::Sampled).patch_indirect(&h0).unwrap();
+        let off = largest_difference(&found, &exact(&room, &h0, |c| packed.decode(c)));
+        assert!(off < 2e-5, "{n}: {off:e}");
+    }
 }
 
 fn bytes([a, b]: [u16; 2]) -> [u8; 4] {

@@ -53,7 +53,7 @@ fn half(n: u32, grey: bool, map: ValueMap) -> PackedOperator<'static> {
         rank: rank.map(|r| r as u32).to_vec(),
         scale: (0..n).map(|_| numbers.unit()).collect(),
         codes: (0..codes).map(|_| numbers.bits() as u8).collect(),
-        core: (0..2 * (190 + 6)).map(|_| 0.05 * (numbers.unit() - 0.5)).collect(),
+        core: (0..2 * (190 + 6)).map(|_| 0.5 * (numbers.unit() - 0.5)).collect(),
         component: component.into(),
     };
     let mut start = vec![0];
