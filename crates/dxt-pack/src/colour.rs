@@ -11,7 +11,6 @@ use radfile::{Colour, NO_COMPONENT, Operator, Patches, Progress, rounded, unit_o
 use rayon::prelude::*;
 
 use crate::{
-    components::components,
     luma::{entry, luma},
     small::{backward, cholesky, eigen, forward, product, transposed},
 };
@@ -61,7 +60,7 @@ pub fn memory_needed(n: usize) -> u64 {
 impl<'a> Basis<'a> {
     /// The basis of an operator whose colour has these axes.
     pub fn new(operator: &'a Operator, patches: &Patches, axes: Vec<[f32; 3]>, progress: &dyn Progress) -> Basis<'a> {
-        let groups = if axes.is_empty() { Vec::new() } else { components(operator) };
+        let groups = if axes.is_empty() { Vec::new() } else { operator.components() };
         progress.begin("finding the basis of colour", groups.len() as u64 * (2 * ITERATIONS + 1));
         let mut basis = Basis { operator, axes, components: Vec::new() };
         let components = groups.into_iter().map(|group| basis.component(group, patches, progress)).collect();

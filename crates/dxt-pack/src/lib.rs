@@ -19,7 +19,6 @@ mod bc4;
 mod blocks;
 mod choose;
 mod colour;
-mod components;
 mod dds;
 mod error;
 mod luma;
