@@ -11,7 +11,7 @@
 //! radiosity algorithm on GPUs, Light & Engineering 27(2), 2019. How bytes become values again is
 //! defined by [`radfile::PackedOperator`].
 //!
-//! - [`pack`] works on values, [`run`] on containers, [`dds`] exports the texture.
+//! - [`pack`] works on values, [`run`] on containers, [`dds`] and [`ktx2()`] export the texture.
 //! - [`Params::PRESETS`] are the combinations that have names.
 
 mod bc1;
@@ -21,6 +21,7 @@ mod choose;
 mod colour;
 mod dds;
 mod error;
+mod ktx2;
 mod luma;
 mod measure;
 mod pack;
@@ -33,6 +34,7 @@ mod stage;
 
 pub use dds::dds;
 pub use error::{Error, Result};
+pub use ktx2::ktx2;
 pub use measure::measure;
 pub use pack::{memory_needed, pack};
 pub use params::{MapKind, Outliers, Params};

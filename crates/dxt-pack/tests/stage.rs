@@ -4,7 +4,7 @@ mod common;
 
 use common::{Room, room};
 use ddsfile::{D3D10ResourceDimension, Dds, DxgiFormat};
-use dxt_pack::{Outliers, Params, dds, pack, run};
+use dxt_pack::{Outliers, Params, dds, ktx2, pack, run};
 use radfile::{
     BlockFormat, Builder, Container, FormFactors, Operator, PackedOperator, Packing, Patches, Provenance, Quiet,
     Record, Step, ValueMap,
@@ -174,6 +174,31 @@ fn the_exported_texture_holds_the_same_blocks() {
         assert_eq!(file.get_dxgi_format(), Some(format));
         assert_eq!(file.header10.as_ref().unwrap().resource_dimension, D3D10ResourceDimension::Texture2D);
         assert_eq!(file.get_data(0).unwrap(), &packed.blocks[..]);
+    }
+}
+
+/// Offsets and numbers are those of the specification's tables.
+#[test]
+fn a_ktx2_file_says_what_its_blocks_are_and_holds_them() {
+    let room = room(4, 3);
+    for (params, format, model, [width, height]) in
+        [(Params::PAPER, 131, 128, [96, 96]), (Params::BC4_SQRT, 139, 131, [1200, 4])]
+    {
+        let (packed, _) = pack(&room.operator, &room.patches, &params, &Quiet).unwrap();
+        let file = ktx2(&packed);
+        assert_eq!(file[..12], [0xAB, 0x4B, 0x54, 0x58, 0x20, 0x32, 0x30, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A]);
+        let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap());
+        let long = |at: usize| u64::from_le_bytes(file[at..at + 8].try_into().unwrap()) as usize;
+        let header: Vec<u32> = (12..48).step_by(4).map(word).collect();
+        assert_eq!(header, [format, 1, width, height, 0, 1, 1, 1, 0]);
+        let (descriptor, length) = (word(48) as usize, word(52));
+        assert_eq!((word(descriptor), word(56), word(60), long(64), long(72)), (length, 0, 0, 0, 0));
+        assert_eq!((u32::from(file[descriptor + 12]), file[descriptor + 14]), (model, 1));
+        assert_eq!(file[descriptor + 16..descriptor + 21], [3, 3, 0, 0, 8]);
+        let (first, length) = (long(80), long(88));
+        assert_eq!((first % 8, length, first + length), (0, long(96), file.len()));
+        assert!(first >= descriptor + word(52) as usize);
+        assert_eq!(file[first..], packed.blocks[..]);
     }
 }
 
