@@ -6,7 +6,9 @@
 //! all if it has to be.
 //!
 //! What is stored is relative to the weight √A of the column, as in a symmetric operator: weights of patches grow with
-//! their areas.
+//! their areas. Errors that neighbours share count more than others, in rows as in columns, though the error that steers
+//! does not ask for the former: without it there are a tenth fewer bytes, but four times the bias, and edges of blocks to be
+//! seen.
 
 use probes::{Errors, Row, summarise};
 use radfile::{Patches, Progress};
@@ -30,6 +32,10 @@ use crate::{
 const KEPT: usize = 3;
 /// How often all chunks are packed at most.
 const PASSES: usize = 3;
+/// By how much leaves are smaller than those of an operator: what a point sees has sharper edges than what patches exchange
+/// after all bounces. Measured on the last gather of 25755 receivers from 2638 patches at 1 %, with 2048 rays: 1 takes 100
+/// bytes a receiver, 2 takes 87; twice as many receivers a leaf take 108.
+const SMALLER_LEAVES: usize = 2;
 
 /// Numbers about packed rows.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -79,7 +85,8 @@ pub struct RowsReport {
 ///
 /// Of `params` everything counts that is not said of operators: `kernel` and `keep_dense` do not. The error is that of
 /// what receivers get of patches that are lit by probe lights. Receivers without a weight get nothing, and
-/// receivers and patches that no row connects, even over others, exchange exactly nothing.
+/// receivers and patches that no row connects, even over others, exchange exactly nothing. `row` is called two to four times for
+/// each receiver.
 ///
 /// # Errors
 ///
@@ -159,10 +166,10 @@ impl Trees {
         // None for none, and chunks of two thirds to one and a half of that.
         let roots = ((receivers + chunk / 2) / chunk).max(usize::from(receivers > 0));
         let fewest = receivers / roots.max(1);
-        // Blocks of leaves have about `leaf` × `leaf` entries, and every leaf has a receiver.
+        // Blocks of leaves are about square, and every leaf has a receiver.
         let side = ((fewest as f64 * patches as f64).sqrt().ceil() as usize).max(1);
         let most = fewest.min(patches).max(1).ilog2();
-        let depth = Tree::new(side, leaf).depth.min(most);
+        let depth = Tree::new(side, leaf.div_ceil(SMALLER_LEAVES)).depth.min(most);
         Trees { rows: Tree { n: receivers, roots, depth }, columns: Tree { n: patches, roots: 1, depth } }
     }
 }
