@@ -9,7 +9,9 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::{
-    dxt_pack, files, formfactor, hmatrix, permute, series,
+    dxt_pack, files, formfactor, hmatrix,
+    packing::Wanted,
+    permute, series,
     session::Session,
     stage::{self, Stage},
     transfer, voxel_simplify,
@@ -41,6 +43,8 @@ pub struct Args {
     #[command(flatten)]
     dxt_pack: dxt_pack::Options,
     #[command(flatten)]
+    packing: Wanted,
+    #[command(flatten)]
     transfer: transfer::Options,
 }
 
@@ -70,16 +74,18 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let report = voxel_simplify::apply(&args.scene, &args.voxel_simplify, session, &mut keep(&mut current))?;
     stages.push(serde_json::to_value(report)?);
     link(&args.formfactor, &mut current, &mut stages, session)?;
-    let packing = hmatrix::Packing { options: args.hmatrix.clone(), keep_dense: args.dxt_pack.keep_dense };
+    let wanted = args.packing.clone();
     let hierarchical = args.operator == Operator::Hmatrix;
-    if !(hierarchical && packing.options.is_one_bounce()) {
+    if !(hierarchical && args.hmatrix.is_one_bounce()) {
         link(&args.series, &mut current, &mut stages, session)?;
     }
     link(&args.permute, &mut current, &mut stages, session)?;
     if hierarchical {
+        let packing = hmatrix::Packing { options: args.hmatrix.clone(), wanted };
         link(&packing, &mut current, &mut stages, session)?;
     } else {
-        link(&args.dxt_pack, &mut current, &mut stages, session)?;
+        let packing = dxt_pack::Packing { options: args.dxt_pack.clone(), wanted };
+        link(&packing, &mut current, &mut stages, session)?;
     }
 
     let packed = taken(&mut current)?;

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use clap::builder::PossibleValuesParser;
 use dxt_pack::{MapKind, Outliers, Params};
-use radfile::{BlockFormat, Container, PackedOperator, Progress, Record, Sink, Step};
+use radfile::{Container, PackedOperator, Progress, Record, Sink, Step};
 
 use crate::{
     files, numbers,
+    packing::Wanted,
     session::Session,
     stage::{self, Stage, patch_count},
 };
@@ -19,14 +19,17 @@ use crate::{
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
-    stage: stage::Args<Options>,
+    stage: stage::Args<Packing>,
     /// Also write the texture for other tools, without outliers and colour
     #[arg(long, value_name = "FILE.dds")]
     dds: Option<PathBuf>,
+    /// The same as KTX2
+    #[arg(long, value_name = "FILE.ktx2")]
+    ktx2: Option<PathBuf>,
 }
 
 /// Options of this stage.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct Options {
     /// As published: logarithm, all of the matrix and its three channels in one BC1 texture (paper); logarithm or
     /// square root, half of its luma in a BC4 texture, colour as a basis of low rank (bc4-log, bc4-sqrt)
@@ -34,29 +37,36 @@ pub struct Options {
     #[arg(long, value_parser = PossibleValuesParser::new(Params::PRESETS.map(|(name, _)| name)))]
     pub format: Option<String>,
     /// Share of the values that are kept apart as they are too large for the map: a number 0..=1, or `auto`, which is
-    /// 0.01 for `paper` and what --error takes for the others
+    /// 0.01 for `paper` and what --operator-error takes for the others
     #[arg(long, value_name = "SHARE", default_value = "auto", value_parser = outliers)]
     outliers: Outliers,
-    /// Error of light that outliers and colour of `bc4-log` and `bc4-sqrt` keep within, with as few bytes as they can
-    #[arg(long, value_name = "E", default_value = "1%", value_parser = numbers::relative_error)]
-    error: f64,
     /// Span of the logarithm of `paper` and `bc4-log`
     #[arg(long, value_name = "S", default_value_t = 6.0, value_parser = numbers::span)]
     shift: f32,
-    /// Keep form factors and the dense operator in the file
-    #[arg(long)]
-    pub keep_dense: bool,
+}
+
+// A doc comment here would stand in the stage's help.
+#[derive(clap::Args)]
+pub struct Packing {
+    #[command(flatten)]
+    pub options: Options,
+    #[command(flatten)]
+    pub wanted: Wanted,
 }
 
 impl Options {
     fn format(&self) -> &str {
         self.format.as_deref().unwrap_or("bc4-sqrt")
     }
+}
 
+impl Packing {
     fn params(&self) -> Params {
-        let named = Params::PRESETS.into_iter().find(|(name, _)| *name == self.format());
+        let Packing { options, wanted } = self;
+        let named = Params::PRESETS.into_iter().find(|(name, _)| *name == options.format());
         let preset = named.map_or_else(Params::default, |(_, preset)| preset);
-        Params { outliers: self.outliers, error: self.error, shift: self.shift, keep_dense: self.keep_dense, ..preset }
+        let (error, keep_dense) = (wanted.error, wanted.keep_dense);
+        Params { outliers: options.outliers, error, shift: options.shift, keep_dense, ..preset }
     }
 }
 
@@ -65,15 +75,18 @@ fn outliers(text: &str) -> Result<Outliers, String> {
     if text == "auto" { Ok(Outliers::Auto) } else { numbers::share(text).map(Outliers::Share) }
 }
 
-impl Stage for Options {
+impl Stage for Packing {
     const NAME: &'static str = "dxt-pack";
     type Report = dxt_pack::Report;
 
     fn text(&self) -> String {
         let logarithmic = self.params().map == MapKind::Log;
-        let shift = if logarithmic { format!(" --shift {}", self.shift) } else { String::new() };
-        let keep = if self.keep_dense { " --keep-dense" } else { "" };
-        format!("--format {} --outliers {}{shift}{keep}", self.format(), self.outliers)
+        let shift = if logarithmic { format!(" --shift {}", self.options.shift) } else { String::new() };
+        let outliers = match self.options.outliers {
+            Outliers::Auto => "auto".to_owned(),
+            Outliers::Share(share) => share.to_string(),
+        };
+        format!("--format {} --outliers {outliers}{shift} {}", self.options.format(), self.wanted.text())
     }
 
     fn memory(&self, input: &Container) -> anyhow::Result<(u64, &'static str)> {
@@ -87,22 +100,21 @@ impl Stage for Options {
 }
 
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
-    if let Some(dds) = &args.dds {
-        let (input, output) = (&args.stage.input, &args.stage.output);
-        files::check_outputs(&[("--dds", dds)], &[("its own input", input), ("the output of -o", output)])?;
-    }
+    let (input, output) = (&args.stage.input, &args.stage.output);
+    let exports = [("--dds", &args.dds), ("--ktx2", &args.ktx2)];
+    let exports: Vec<(&str, &Path)> =
+        exports.iter().filter_map(|(option, path)| path.as_ref().map(|p| (*option, p.as_path()))).collect();
+    files::check_outputs(&exports, &[("its own input", input), ("the output of -o", output)])?;
     stage::run(&args.stage, session)?;
-    match &args.dds {
-        Some(path) => export(&args.stage.output, path, session),
-        None => Ok(()),
+    if exports.is_empty() {
+        return Ok(());
     }
-}
-
-/// Writes the textures of a packed container as a DDS file.
-fn export(packed: &Path, path: &Path, session: &Session) -> anyhow::Result<()> {
-    let container = files::open(packed)?;
-    let textures = dxt_pack::dds(&PackedOperator::read(&container)?).with_context(|| packed.display().to_string())?;
-    files::write(path, &textures)?;
-    session.say(&format!("wrote {}", path.display()));
+    let container = files::open(output)?;
+    let packed = PackedOperator::read(&container)?;
+    for (option, path) in exports {
+        let bytes = if option == "--dds" { dxt_pack::dds(&packed)? } else { dxt_pack::ktx2(&packed) };
+        files::write(path, &bytes)?;
+        session.say(&format!("wrote {}", path.display()));
+    }
     Ok(())
 }

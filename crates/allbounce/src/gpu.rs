@@ -48,7 +48,7 @@ pub fn render(
 fn runtime(bake: &Bake, operator: &Operator) -> anyhow::Result<gpu_runtime::GpuRuntime> {
     use radfile::Kernel::OneBounce;
     let packed = match operator {
-        Operator::Textures(packed) => gpu_runtime::Packed::Textures(packed),
+        Operator::Textures(product) => gpu_runtime::Packed::Textures(product.packed()),
         Operator::Hierarchical(_, certificate) if certificate.kernel == OneBounce => {
             anyhow::bail!("the bake holds one bounce, which is solved on the CPU; use --backend cpu")
         }

@@ -5,7 +5,7 @@ use hmatrix::{Params, Report};
 use radfile::{Container, Kernel, Progress, Sink, Step};
 
 use crate::{
-    numbers,
+    packing::Wanted,
     stage::{Stage, patch_count},
 };
 
@@ -21,9 +21,6 @@ enum Packed {
 /// Options of this stage that a bake has, too.
 #[derive(Clone, clap::Args)]
 pub struct Options {
-    /// Error of indirect light that packing may cause: L2 over the scene, mean over probe lights [0.05% to 50%]
-    #[arg(long, value_name = "E", default_value = "1%", value_parser = numbers::operator_error)]
-    operator_error: f64,
     /// What is packed
     #[arg(long, value_enum, default_value = "all-bounces")]
     kernel: Packed,
@@ -37,9 +34,8 @@ pub struct Options {
 pub struct Packing {
     #[command(flatten)]
     pub options: Options,
-    /// Keep form factors and the dense operator in the file
-    #[arg(long)]
-    pub keep_dense: bool,
+    #[command(flatten)]
+    pub wanted: Wanted,
 }
 
 impl Options {
@@ -52,7 +48,7 @@ impl Options {
 impl Packing {
     fn params(&self) -> Params {
         let kernel = if self.options.is_one_bounce() { Kernel::OneBounce } else { Kernel::AllBounces };
-        Params { kernel, keep_dense: self.keep_dense, ..Params::error(self.options.operator_error) }
+        Params { kernel, keep_dense: self.wanted.keep_dense, ..Params::error(self.wanted.error) }
     }
 }
 
@@ -62,8 +58,7 @@ impl Stage for Packing {
 
     fn text(&self) -> String {
         let kernel = if self.options.is_one_bounce() { " --kernel one-bounce" } else { "" };
-        let keep = if self.keep_dense { " --keep-dense" } else { "" };
-        format!("--operator-error {}{kernel}{keep}", self.options.operator_error)
+        format!("{}{kernel}", self.wanted.text())
     }
 
     fn memory(&self, input: &Container) -> anyhow::Result<(u64, &'static str)> {

@@ -13,6 +13,7 @@ mod hmatrix;
 mod inspect;
 mod memory;
 mod numbers;
+mod packing;
 mod permute;
 mod pictures;
 mod progress;

@@ -34,7 +34,7 @@ pub use error::{Error, Result};
 pub use operator::{Operator, Workspace};
 pub use patch_light::{PatchSamples, patch_irradiance};
 pub use points::{PointLight, light_at_points, radiosity, surface_points};
-pub use product::{Bounces, indirect, multiply};
+pub use product::{Bounces, indirect};
 pub use relighter::{Frame, Relighter};
 pub use render::{Image, Look, Parts, Shown, render};
 pub use textures::{TextureProduct, Workspace as TextureWorkspace};

@@ -3,7 +3,7 @@
 use hmatrix::{HMatrix, SOLVE_SHARE, Solve};
 use radfile::{Certificate, Container, Kernel, PackedOperator, Record};
 
-use crate::{Result, product::multiply};
+use crate::{Result, TextureProduct, TextureWorkspace};
 
 /// Section that says a container has hierarchical blocks.
 const HIERARCHICAL: &str = "hmatrix.meta";
@@ -11,16 +11,18 @@ const HIERARCHICAL: &str = "hmatrix.meta";
 /// A packed operator, ready for products.
 #[allow(clippy::large_enum_variant, reason = "there is one of it")]
 pub enum Operator<'a> {
-    /// Block-compressed textures and outliers.
-    Textures(PackedOperator<'a>),
+    /// Block-compressed textures.
+    Textures(TextureProduct<'a>),
     /// Hierarchical blocks of K or of W.
     Hierarchical(HMatrix, Certificate),
 }
 
 /// Memory of a product.
-pub struct Workspace {
-    product: Option<hmatrix::Workspace>,
-    solve: Option<Solve>,
+pub enum Workspace {
+    /// With textures.
+    Textures(TextureWorkspace),
+    /// With hierarchical blocks; with those of one bounce, a solve as well.
+    Hierarchical(hmatrix::Workspace, Option<Solve>),
 }
 
 impl<'a> Operator<'a> {
@@ -34,7 +36,7 @@ impl<'a> Operator<'a> {
             let (matrix, certificate) = hmatrix::read(container)?;
             return Ok(Operator::Hierarchical(matrix, certificate));
         }
-        Ok(Operator::Textures(PackedOperator::read(container)?))
+        Ok(PackedOperator::read(container)?.into())
     }
 
     /// Whether a container has one.
@@ -45,7 +47,7 @@ impl<'a> Operator<'a> {
     /// Number of patches.
     pub fn patches(&self) -> usize {
         match self {
-            Operator::Textures(packed) => packed.packing.n as usize,
+            Operator::Textures(product) => product.packed().packing.n as usize,
             Operator::Hierarchical(matrix, _) => matrix.patches(),
         }
     }
@@ -53,7 +55,7 @@ impl<'a> Operator<'a> {
     /// Highest bounce that a frame has; `None` is all.
     pub fn bounces(&self) -> Option<u32> {
         match self {
-            Operator::Textures(packed) => packed.packing.bounces,
+            Operator::Textures(product) => product.packed().packing.bounces,
             Operator::Hierarchical(_, certificate) => certificate.bounces,
         }
     }
@@ -61,7 +63,7 @@ impl<'a> Operator<'a> {
     /// Bytes of the packed operator.
     pub fn size_in_bytes(&self) -> usize {
         match self {
-            Operator::Textures(packed) => packed.size_in_bytes(),
+            Operator::Textures(product) => product.packed().size_in_bytes(),
             Operator::Hierarchical(matrix, _) => matrix.to_bytes().len(),
         }
     }
@@ -69,11 +71,11 @@ impl<'a> Operator<'a> {
     /// Memory for [`Operator::multiply`].
     pub fn workspace(&self) -> Workspace {
         match self {
-            Operator::Textures(_) => Workspace { product: None, solve: None },
-            Operator::Hierarchical(matrix, certificate) => Workspace {
-                product: Some(matrix.workspace()),
-                solve: (certificate.kernel == Kernel::OneBounce).then(|| Solve::new(matrix.patches())),
-            },
+            Operator::Textures(product) => Workspace::Textures(product.workspace()),
+            Operator::Hierarchical(matrix, certificate) => {
+                let solve = (certificate.kernel == Kernel::OneBounce).then(|| Solve::new(matrix.patches()));
+                Workspace::Hierarchical(matrix.workspace(), solve)
+            }
         }
     }
 
@@ -84,11 +86,13 @@ impl<'a> Operator<'a> {
     ///
     /// If anything is of another number of patches, or the workspace of another operator: a bug in the caller.
     pub fn multiply(&self, reflectance: &[[f32; 3]], x: &[[f32; 3]], y: &mut [[f32; 3]], workspace: &mut Workspace) {
-        match (self, &mut workspace.product, &mut workspace.solve) {
-            (Operator::Textures(packed), ..) => y.copy_from_slice(&multiply(packed, x)),
-            (Operator::Hierarchical(matrix, _), Some(product), None) => matrix.multiply(x, y, product),
-            (Operator::Hierarchical(matrix, certificate), Some(product), Some(solve)) => {
-                let one_bounce = |x: &[[f32; 3]], y: &mut [[f32; 3]]| matrix.multiply(x, y, product);
+        match (self, workspace) {
+            (Operator::Textures(product), Workspace::Textures(workspace)) => product.multiply(x, y, workspace),
+            (Operator::Hierarchical(matrix, _), Workspace::Hierarchical(workspace, None)) => {
+                matrix.multiply(x, y, workspace)
+            }
+            (Operator::Hierarchical(matrix, certificate), Workspace::Hierarchical(workspace, Some(solve))) => {
+                let one_bounce = |x: &[[f32; 3]], y: &mut [[f32; 3]]| matrix.multiply(x, y, workspace);
                 solve.all_bounces(one_bounce, reflectance, SOLVE_SHARE * certificate.error_wanted, x, y);
             }
             _ => panic!("the workspace of another operator"),
@@ -98,6 +102,6 @@ impl<'a> Operator<'a> {
 
 impl<'a> From<PackedOperator<'a>> for Operator<'a> {
     fn from(packed: PackedOperator<'a>) -> Operator<'a> {
-        Operator::Textures(packed)
+        Operator::Textures(TextureProduct::new(packed))
     }
 }

@@ -8,7 +8,7 @@ use common::{Cube, Maker, corners_receive, cube, emission, rig, scene};
 use glam::Vec3;
 use radfile::{BlockFormat, PackedOperator, Packing, PointRows, Quiet, Rows, Side, ValueMap};
 use relight::{
-    Frame, Image, Look, Parts, PatchSamples, Relighter, Samples, Shown, bounces, light_at_points, multiply, render,
+    Frame, Image, Look, Parts, PatchSamples, Relighter, Samples, Shown, bounces, light_at_points, render,
     surface_points,
 };
 use scene::{Camera, LightRig, Rays, hash};
@@ -26,25 +26,6 @@ fn noise(n: u32, channels: u32, format: BlockFormat, map: ValueMap) -> PackedOpe
         outlier_column: (0..n).flat_map(|i| [i % (n / 2), n / 2 + i % (n / 2)]).collect::<Vec<_>>().into(),
         outlier_value: (0..n * per_row * channels).map(|i| (hash(i, 2) % 100) as f32).collect::<Vec<_>>().into(),
         packing,
-    }
-}
-
-/// A row of n products, each rounded to single precision once.
-#[test]
-fn the_product_is_that_of_the_decoded_matrix() {
-    for (n, channels, format) in [(30, 1, BlockFormat::Bc4), (33, 3, BlockFormat::Bc4), (10, 3, BlockFormat::Bc1)] {
-        for map in [ValueMap::Sqrt, ValueMap::Log { shift: 9.0 }] {
-            let packed = noise(n, channels, format, map);
-            let x: Vec<[f32; 3]> = (0..n).map(|i| [i as f32, 1.0, (hash(i, 3) % 10) as f32]).collect();
-            let y = multiply(&packed, &x);
-            for c in 0..3 {
-                let dense = packed.decode(c);
-                for (row, y) in dense.chunks(n as usize).zip(&y) {
-                    let wanted: f64 = row.iter().zip(&x).map(|(k, x)| f64::from(*k) * f64::from(x[c])).sum();
-                    assert!((f64::from(y[c]) / wanted - 1.0).abs() < 1e-6, "{format:?} {map:?}: {y:?} {wanted}");
-                }
-            }
-        }
     }
 }
 
