@@ -1,6 +1,6 @@
 //! The stage on containers.
 
-use radfile::{Builder, Container, Operator, PackedOperator, Patches, Progress, Record, Sink, Step};
+use radfile::{Builder, Container, Operator, Patches, Progress, Record, Sink, Step, is_packed_operator};
 
 use crate::{Params, Report, Result, pack};
 
@@ -17,8 +17,8 @@ pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progre
     let patches = Patches::read(input)?;
     let (packed, report) = pack(&operator, &patches, params, progress)?;
     let dense = |name: &str| name.starts_with(Operator::PREFIX) || name == "formfactor.values";
-    let older = |name: &str| name.starts_with(PackedOperator::PREFIX);
-    let mut builder = Builder::from_input(input, |s| !older(&s.name) && (params.keep_dense || !dense(&s.name)));
+    let mut builder =
+        Builder::from_input(input, |s| !is_packed_operator(&s.name) && (params.keep_dense || !dense(&s.name)));
     packed.write(&mut builder);
     builder.provenance(Some(input), step)?;
     sink(&builder)?;

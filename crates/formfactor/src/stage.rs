@@ -1,6 +1,6 @@
 //! From container to container.
 
-use radfile::{Builder, Container, FormFactors, Mesh, Patches, Progress, Record, Sink, Step};
+use radfile::{Builder, Container, FormFactors, Mesh, Patches, Progress, Record, Sink, Step, is_packed_operator};
 
 use crate::{Error, Params, Report, Result, form_factors};
 
@@ -13,7 +13,9 @@ use crate::{Error, Params, Report, Result, form_factors};
 pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progress, sink: &mut Sink) -> Result<Report> {
     let (mesh, patches) = (Mesh::read(input)?, Patches::read(input)?);
     let (factors, report) = form_factors(&mesh, &patches, params, progress)?;
-    let mut builder = Builder::from_input(input, |section| !STALE.iter().any(|p| section.name.starts_with(p)));
+    let mut builder = Builder::from_input(input, |section| {
+        !STALE.iter().any(|p| section.name.starts_with(p)) && !is_packed_operator(&section.name)
+    });
     factors.write(&mut builder);
     builder.provenance(Some(input), step)?;
     sink(&builder).map_err(Error::from)?;
@@ -21,4 +23,4 @@ pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progre
 }
 
 /// Sections that this stage replaces or makes worthless.
-const STALE: [&str; 3] = [FormFactors::PREFIX, "series.", "pack."];
+const STALE: [&str; 2] = [FormFactors::PREFIX, "series."];

@@ -2,7 +2,7 @@
 
 use radfile::{
     Builder, Certificate, Container, FormFactors, HierarchicalOperator, Kernel, Operator, Patches, Progress, Record,
-    Sink, Step,
+    Sink, Step, is_packed_operator,
 };
 use rayon::prelude::*;
 
@@ -37,8 +37,8 @@ pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progre
         blocks: matrix.to_bytes().into(),
     };
     let dense = |name: &str| name.starts_with(Operator::PREFIX) || name == "formfactor.values";
-    let stale = |name: &str| name.starts_with("pack.") || name.starts_with(HierarchicalOperator::PREFIX);
-    let mut builder = Builder::from_input(input, |s| !stale(&s.name) && (params.keep_dense || !dense(&s.name)));
+    let mut builder =
+        Builder::from_input(input, |s| !is_packed_operator(&s.name) && (params.keep_dense || !dense(&s.name)));
     packed.write(&mut builder);
     builder.provenance(Some(input), step)?;
     sink(&builder)?;

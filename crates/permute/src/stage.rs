@@ -1,8 +1,8 @@
 //! The stage between two containers: everything that follows the order of patches is reordered.
 
 use radfile::{
-    Builder, Container, FLAG_PATCH_ORDER, FLAG_REQUIRED, FormFactors, Operator, PackedOperator, Patches, Permutation,
-    Progress, Record, SECTIONS, Section, Sink, Step, Transfer, read_sky,
+    Builder, Container, FLAG_PATCH_ORDER, FLAG_REQUIRED, FormFactors, HierarchicalOperator, Operator, PackedOperator,
+    Patches, Permutation, Progress, Record, SECTIONS, Section, Sink, Step, Transfer, read_sky,
 };
 
 use crate::{Error, Params, Report, neighbours, order};
@@ -21,7 +21,7 @@ pub fn memory_needed(n: usize, channels: usize) -> u64 {
 ///
 /// # Errors
 ///
-/// [`Error::TooLate`] if the container already holds `pack.*` or `transfer.*`, [`Error::CannotReorder`],
+/// [`Error::TooLate`] if the container already holds `pack.*`, `hmatrix.*` or `transfer.*`, [`Error::CannotReorder`],
 /// those of [`order`], and [`Error::Container`].
 pub fn run(
     input: &Container,
@@ -84,7 +84,11 @@ fn reordered(operator: &Operator, new: &Permutation) -> Operator<'static> {
 fn sections_to_drop(input: &Container) -> Result<Vec<String>, Error> {
     let starts = |section: &Section, prefixes: &[&str]| prefixes.iter().any(|p| section.name.starts_with(p));
     for section in input.sections() {
-        for (prefix, stage) in [(PackedOperator::PREFIX, "dxt-pack"), (Transfer::PREFIX, "transfer")] {
+        for (prefix, stage) in [
+            (PackedOperator::PREFIX, "dxt-pack"),
+            (HierarchicalOperator::PREFIX, "hmatrix"),
+            (Transfer::PREFIX, "transfer"),
+        ] {
             if starts(section, &[prefix]) {
                 return Err(Error::TooLate { section: section.name.clone(), stage });
             }

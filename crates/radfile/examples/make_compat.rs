@@ -1,8 +1,8 @@
-//! Writes the file of `tests/compat/1.1`, once. Those of 1.0 were made in the same way by version 1.0.
+//! Writes the file of `tests/compat/1.2`, once. Those of 1.0 and 1.1 were made in the same way by their versions.
 //!
 //! `cargo run --release -p radfile --example make_compat -- FOLDER`
 //!
-//! It never overwrites: what version 1.1 wrote stays as it is, whatever this program writes today.
+//! It never overwrites: what version 1.2 wrote stays as it is, whatever this program writes today.
 
 use std::path::PathBuf;
 
@@ -13,14 +13,14 @@ use radfile::{Builder, VERSION};
 
 fn main() -> Result<(), String> {
     let folder = PathBuf::from(std::env::args().nth(1).ok_or("usage: make_compat FOLDER")?);
-    if VERSION != (1, 1) {
-        return Err(format!("this crate writes version {}.{}, the fixture is of 1.1", VERSION.0, VERSION.1));
+    if VERSION != (1, 2) {
+        return Err(format!("this crate writes version {}.{}, the fixture is of 1.2", VERSION.0, VERSION.1));
     }
-    let path = folder.join("parted-floor.rad");
+    let path = folder.join("operators.rad");
     if path.exists() {
         return Err(format!("{} is there already and is not made again", path.display()));
     }
-    Builder::from_input(&fixture::parted_floor(), |_| true).write_file(&path).map_err(|e| e.to_string())?;
+    Builder::from_input(&fixture::operators(), |_| true).write_file(&path).map_err(|e| e.to_string())?;
     println!("{}", path.display());
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The list of sections that this version knows, and what a typed record is.
 
-use crate::{Builder, Container, Error, Result};
+use crate::{Builder, Container, Error, HierarchicalOperator, PackedOperator, Result};
 
 /// Every section of this version and the stage that writes it.
 /// The same list, with element types, shapes and meaning, stands in `formats/rad.md` §4; a test compares the two.
@@ -82,6 +82,11 @@ const SINCE: [&[&str]; 2] = [
 /// The minor version that brought a section; 0 for those that no version knows.
 pub fn minor_of(section: &str) -> u16 {
     SINCE.iter().position(|brought| brought.contains(&section)).map_or(0, |at| at as u16 + 1)
+}
+
+/// Whether a section holds the operator packed in some way: whoever packs it anew, or changes what was packed, drops it.
+pub fn is_packed_operator(section: &str) -> bool {
+    [PackedOperator::PREFIX, HierarchicalOperator::PREFIX].iter().any(|prefix| section.starts_with(prefix))
 }
 
 /// The stage that writes a section, if this version knows it.

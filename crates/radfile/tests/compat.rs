@@ -5,10 +5,10 @@ mod fixture;
 
 use std::path::{Path, PathBuf};
 
-use fixture::{Extras, cube, every_feature, parted_floor, patches_of_a_parted_floor};
+use fixture::{Extras, cube, every_feature, half, hierarchical, operators, parted_floor, patches_of_a_parted_floor};
 use radfile::{
-    BlockFormat, Container, FLAG_PATCH_ORDER, FormFactors, Materials, Mesh, Operator, PackedOperator, Patches,
-    Permutation, Provenance, Record, Transfer, ValueMap, digest,
+    BlockFormat, Container, FLAG_PATCH_ORDER, FormFactors, HierarchicalOperator, Materials, Mesh, Operator,
+    PackedOperator, Patches, Permutation, Provenance, Record, Transfer, ValueMap, digest,
 };
 
 /// BLAKE3 of each file, so that none is made again by accident.
@@ -20,6 +20,8 @@ const FILES: [(&str, &str); 4] = [
 ];
 
 const PARTED_FLOOR: &str = "9412d0702a70d18e5391d5eab844efb0739f244a98e0f399586c146a26460860";
+
+const OPERATORS: &str = "19ba957c89e07036f96054790c6c590ad271c856d2d6b7b8047c310eb3d4abb9";
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/compat/1.0")
@@ -68,6 +70,20 @@ fn the_file_of_version_1_1_is_the_one_that_was_written_then_and_is_read() {
         (patches.position[near as usize], patches.position[far as usize]),
         ([0.25, 0.25, 0.0], [0.75, 0.75, 0.0])
     );
+}
+
+#[test]
+fn the_file_of_version_1_2_is_the_one_that_was_written_then_and_is_read() {
+    let folder = folder().join("../1.2");
+    let version = std::fs::read_to_string(folder.join("VERSION")).expect("it says who wrote the folder");
+    assert_eq!(version.trim(), "container 1.2");
+    assert_eq!(std::fs::read_dir(&folder).expect("the folder is there").count(), 2);
+    let c = Container::open(&folder.join("operators.rad")).expect("legal");
+    assert_eq!(c.version(), (1, 2));
+    assert_eq!(digest(c.as_bytes()), OPERATORS, "this is not the file that version 1.2 wrote");
+    assert_eq!(c.as_bytes(), operators().as_bytes(), "version 1.2 is still what is written");
+    assert_eq!(HierarchicalOperator::read(&c).expect("legal"), hierarchical());
+    assert_eq!(PackedOperator::read(&c).expect("legal"), half());
 }
 
 #[test]
