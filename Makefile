@@ -1,5 +1,5 @@
 # Allbounce. `make demo` shows it, `make test` checks it, `make bake SCENE=room.glb` bakes a scene stage by stage,
-# `make charts` draws where methods hold and where they fail (docs/charts/).
+# `make charts` draws where methods hold and where they fail (docs/charts/), `make bench` measures every operator.
 #
 # Options of a stage go into a variable of its name:
 #   make bake SCENE=room.glb VOXEL_SIMPLIFY="--patches 3000" FORMFACTOR="--rays 1024"
@@ -11,7 +11,7 @@ SHELL := bash
 .DELETE_ON_ERROR:
 # Software Vulkan drivers want a private folder for their scratch files.
 export XDG_RUNTIME_DIR ?= /tmp
-.PHONY: help setup build demo test charts bake clean FORCE
+.PHONY: help setup build demo test charts bench bake clean FORCE
 
 ALLBOUNCE := target/release/allbounce
 
@@ -129,6 +129,41 @@ test: setup
 
 charts: setup
 	cargo run --release -p allbounce-tests --example make_charts
+
+# ---- the bench of operators ----
+
+# Bakes each scene at several numbers of patches into out/bench, packs and times every operator, and draws the record.
+# `make bench SPONZA=path/to/Sponza.gltf MACHINE=name`; 8000 patches want 8 GiB of memory, and all of it takes an hour.
+MACHINE ?= $(shell uname -m)-$(shell getconf _NPROCESSORS_ONLN)c
+SPONZA ?=
+BENCH_PATCHES ?= 1300 2600 5000 8000
+
+BENCH_SCENES := cornell apartment $(if $(SPONZA),sponza)
+BENCH_CORNELL := assets/cornell/cornell.obj
+BENCH_APARTMENT := assets/apartment/apartment.obj
+BENCH_BAKES := $(foreach scene,$(BENCH_SCENES),$(BENCH_PATCHES:%=$(scene)-%))
+# Orders are worth a packing each where that is quick; at the most patches they are timed.
+BENCH_ORDERED := $(foreach scene,$(BENCH_SCENES),$(scene)-$(firstword $(BENCH_PATCHES))) apartment-$(lastword $(BENCH_PATCHES))
+
+TODAY := $(shell date +%F)
+# Arguments of an example that writes a record: $(call record,subject,bakes)
+record = bench/record/$(MACHINE)/$(TODAY)-$(1).csv $(TODAY) $$(git rev-parse --short HEAD) $(MACHINE) \
+    $(foreach bake,$(2),$(firstword $(subst -, ,$(bake)))=out/bench/$(bake)/3-series.rad)
+
+bench: $(BENCH_BAKES:%=bench-%)
+	@$(if $(SPONZA),,echo 'bench: without Sponza; SPONZA=path/to/Sponza.gltf adds it')
+	cargo run --release -p allbounce-tests --example bench_operators -- $(call record,operators,$(BENCH_BAKES))
+	cargo run --release -p allbounce-tests --example bench_orders -- $(call record,orders,$(BENCH_ORDERED))
+	echo $(MACHINE)/$(TODAY) > bench/record/shown
+	$(MAKE) --no-print-directory charts
+
+bench-cornell-%: ; $(call bench-bake,cornell,$(BENCH_CORNELL))
+bench-apartment-%: ; $(call bench-bake,apartment,$(BENCH_APARTMENT))
+bench-sponza-%: ; $(call bench-bake,sponza,$(SPONZA))
+
+# One bake up to the dense operator: $(call bench-bake,name,scene file), the number of patches is the stem.
+bench-bake = $(MAKE) --no-print-directory out/bench/$(1)-$*/3-series.rad BAKE_DIR=out/bench/$(1)-$* SCENE=$(2) \
+    VOXEL_SIMPLIFY="--patches $*" FORMFACTOR="--rays 4096"
 
 clean:
 	rm -rf out target

@@ -2,6 +2,7 @@
 //! the generators of the bundled scenes, and the stability laboratory.
 
 pub mod apartment;
+pub mod bench;
 pub mod charts;
 pub mod cornell;
 pub mod mesh_text;

@@ -5,13 +5,15 @@
 //! compares the committed tables.
 //!
 //! Nothing here believes a solver or a sampler of ours: rooms are empty boxes with form factors in closed form
-//! (`rectangles`, `room`), and light is judged by a solution with a certificate (`judge`).
+//! (`rectangles`, `room`), and light is judged by a solution with a certificate (`judge`). Charts of `operators` are
+//! drawn from a record of `make bench`.
 
 pub mod bounces;
 pub mod condition;
 pub mod judge;
 pub mod kernels;
 pub mod monte_carlo;
+pub mod operators;
 pub mod page;
 pub mod rays;
 pub mod rectangles;
@@ -82,7 +84,7 @@ impl Claim {
 /// Every figure, in the order of the page.
 pub fn all(effort: Effort) -> Vec<Figure> {
     let [centre, disc] = unnormalised::figures(effort);
-    vec![
+    let mut figures = vec![
         solvers::figure(effort),
         centre,
         disc,
@@ -90,7 +92,9 @@ pub fn all(effort: Effort) -> Vec<Figure> {
         rays::squares(effort),
         rays::room(effort),
         condition::figure(effort),
-    ]
+    ];
+    figures.extend(operators::figures(&operators::Record::shown()));
+    figures
 }
 
 /// Reflectances from 0.1 to 0.9999.

@@ -11,7 +11,9 @@ pub fn text(figures: &[Figure]) -> String {
          Where methods hold and where they fail. `make charts` writes this folder again: pictures (SVG, PNG), numbers (CSV) \
          and this page. Every sentence of a list is an assertion of `tests/tests/charts.rs`. Rooms are empty boxes whose form factors are known in closed form (J. R. Howell, entries \
          C-13 and C-15), and the truth is a refined solution with an error bound (`tests/src/charts/judge.rs`). \
-         The axis of reflectances is that of 1 / (1 − ρ), the gain of all bounces together.\n",
+         The axis of reflectances is that of 1 / (1 − ρ), the gain of all bounces together.\n\n\
+         Charts of operators, at the end, are of whole scenes: `make bench` measures them, and their sentences are about \
+         its record in `bench/record/`.\n",
     );
     for figure in figures {
         let (name, title) = (figure.name, &figure.chart.title);
