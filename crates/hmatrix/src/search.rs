@@ -33,12 +33,21 @@ pub struct Round<P> {
     pub matrix: f64,
 }
 
+/// A round that was made.
+#[derive(Clone, Copy)]
+struct Tried {
+    matrix: f64,
+    found: f64,
+}
+
 impl Search {
     /// The fewest bytes whose error is no larger than wanted, or the smallest error; and how many rounds were made. The
     /// first round aims at a square of `aim`.
     pub fn run<P>(&self, mut aim: f64, mut pack: impl FnMut(f64) -> Round<P>) -> (Round<P>, usize) {
         let mut best: Option<Round<P>> = None;
         let mut rounds = 0;
+        // The largest matrix error that was good enough, and the smallest that was not, with what came of them.
+        let (mut below, mut above): (Option<Tried>, Option<Tried>) = (None, None);
         loop {
             let round = pack(aim);
             rounds += 1;
@@ -57,8 +66,24 @@ impl Search {
                 return (kept, rounds);
             }
             best = Some(kept);
-            aim = self.next(matrix, found);
+            let tried = Tried { matrix, found };
+            if found <= self.wanted {
+                below = below.filter(|old| old.matrix >= matrix).or(Some(tried));
+            } else {
+                above = above.filter(|old| old.matrix <= matrix).or(Some(tried));
+            }
+            aim = match (below, above) {
+                (Some(below), Some(above)) if below.matrix < above.matrix => self.between(below, above),
+                _ => self.next(matrix, found),
+            };
         }
+    }
+
+    /// What to aim at between two errors, one good enough and one not: a straight line through their logarithms. Light
+    /// of few patches makes the error rise more steeply than that of the matrix.
+    fn between(&self, below: Tried, above: Tried) -> f64 {
+        let share = (self.target * self.wanted / below.found).ln() / (above.found / below.found).ln();
+        below.matrix * (above.matrix / below.matrix).powf(share.clamp(0.1, 0.9))
     }
 
     /// What to aim at when a square of `matrix` gave the error `found`.
@@ -75,4 +100,23 @@ pub fn price(aim: f64, error: impl Fn(f64) -> f64) -> f64 {
         if error(middle) > aim { high = middle } else { low = middle }
     }
     low
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Errors that rise with the matrix error as few lights' do: much more steeply than its root.
+    #[test]
+    fn a_steep_error_is_found_from_both_sides() {
+        let search = Search { wanted: 0.01, most: 6, ..Search::default() };
+        for start in [1e-3, 0.1, 10.0] {
+            let steep = |aim: f64| {
+                let error = 0.01 * (aim / 0.3).powf(1.4);
+                Round { packed: (), error, bytes: (1e6 / aim.sqrt()) as usize, matrix: aim }
+            };
+            let (round, rounds) = search.run(start, steep);
+            assert!((0.0096..=0.01).contains(&round.error), "from {start}: {} after {rounds} rounds", round.error);
+        }
+    }
 }
