@@ -74,7 +74,7 @@ fn a_bake_needs_nothing_else_and_answers_points_vertices_and_pictures() {
     assert!(!container.has("series.values") && !container.has("formfactor.values"), "dense matrices are dropped");
     allbounce(["verify", bake]).done();
     let shown = allbounce(["inspect", bake]).done().stdout;
-    assert!(shown.contains("hmatrix --operator-error 0.01") && shown.contains("patches.area"), "{shown}");
+    assert!(shown.contains("hmatrix --operator-error 0.005") && shown.contains("patches.area"), "{shown}");
 
     let (points, out) = (folder.path().join("p.csv"), folder.path().join("e.csv"));
     std::fs::write(&points, "id,px,py,pz,nx,ny,nz\n7,0.28,0,0.1,0,1,0\n8,0.28,0.5488,0.1,0,-1,0\n").expect("a file");

@@ -83,7 +83,7 @@ fn altered_form_factors_operators_textures_and_weights_are_found() {
     let one_way = altered(&sound, "formfactor.values", |f| f[pair(f)] *= 0.5);
     let after = ["reciprocity", "furnace identity of the dense operator"];
     fails(&one_way, &after[..]);
-    let dim = altered(&sound, "formfactor.values", |f| f.iter_mut().for_each(|f| *f *= 0.99));
+    let dim = altered(&sound, "formfactor.values", |f| f.iter_mut().for_each(|f| *f *= 0.995));
     fails(&dim, &["rows of F and the sky reach 1", "furnace identity of the dense operator"]);
     let limit = ["an exchange area fits", "rows of F and the sky do not exceed 1", "rows of F and the sky reach 1"];
     let swallowed = altered(&sound, "formfactor.values", |f| {
@@ -104,11 +104,32 @@ fn altered_form_factors_operators_textures_and_weights_are_found() {
     verify(&halved).refused(&["altered.rad", "the weights of receiver 0 sum to"]);
 
     let container = Container::open(&sound).expect("a container");
-    let (blocks, shape) = container.array::<u8>("pack.blocks", 2).expect("blocks");
+    let stream = container.array::<u8>("hmatrix.blocks", 1).expect("blocks").0;
     let mut builder = Builder::from_input(&container, |_| true);
-    let shape = [shape[0] as usize, shape[1] as usize];
-    builder.array("pack.blocks", FLAG_REQUIRED | FLAG_PATCH_ORDER, &shape, vec![0u8; blocks.len()]);
+    builder.array("hmatrix.blocks", FLAG_REQUIRED | FLAG_PATCH_ORDER, &[stream.len()], brighter_stream(stream, n));
     fails(&written(&builder, &sound), &["furnace identity of the packed operator"]);
+
+    let sound = bake(folder.path(), "textures.rad", &["--operator", "textures"]);
+    let container = Container::open(&sound).expect("a container");
+    let blocks = container.array::<u8>("pack.half_blocks", 2).expect("blocks").0;
+    let mut builder = Builder::from_input(&container, |_| true);
+    builder.array(
+        "pack.half_blocks",
+        FLAG_REQUIRED | FLAG_PATCH_ORDER,
+        &[blocks.len() / 8, 8],
+        vec![0u8; blocks.len()],
+    );
+    fails(&written(&builder, &sound), &["furnace identity of the packed operator"]);
+}
+
+/// The same stream with luma a tenth brighter: its unit stands behind header, order and weights (`formats/rad.md` §6).
+fn brighter_stream(stream: &[u8], n: usize) -> Vec<u8> {
+    let bits = n.next_power_of_two().ilog2() as usize;
+    let at = 11 + (n * bits).div_ceil(8) + (7 * n).div_ceil(8);
+    let mut brighter = stream.to_vec();
+    let unit = f32::from_le_bytes(stream[at..at + 4].try_into().expect("four bytes"));
+    brighter[at..at + 4].copy_from_slice(&(1.1 * unit).to_le_bytes());
+    brighter
 }
 
 #[test]

@@ -65,7 +65,7 @@ impl Packing {
         let Packing { options, wanted } = self;
         let named = Params::PRESETS.into_iter().find(|(name, _)| *name == options.format());
         let preset = named.map_or_else(Params::default, |(_, preset)| preset);
-        let (error, keep_dense) = (wanted.error, wanted.keep_dense);
+        let (error, keep_dense) = (wanted.error.unwrap_or(preset.error), wanted.keep_dense);
         Params { outliers: options.outliers, error, shift: options.shift, keep_dense, ..preset }
     }
 }
@@ -86,7 +86,11 @@ impl Stage for Packing {
             Outliers::Auto => "auto".to_owned(),
             Outliers::Share(share) => share.to_string(),
         };
-        format!("--format {} --outliers {outliers}{shift} {}", self.options.format(), self.wanted.text())
+        format!(
+            "--format {} --outliers {outliers}{shift} {}",
+            self.options.format(),
+            self.wanted.text(self.params().error)
+        )
     }
 
     fn memory(&self, input: &Container) -> anyhow::Result<(u64, &'static str)> {

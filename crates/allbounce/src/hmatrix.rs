@@ -48,7 +48,8 @@ impl Options {
 impl Packing {
     fn params(&self) -> Params {
         let kernel = if self.options.is_one_bounce() { Kernel::OneBounce } else { Kernel::AllBounces };
-        Params { kernel, keep_dense: self.wanted.keep_dense, ..Params::error(self.wanted.error) }
+        let error = self.wanted.error.unwrap_or(Params::default().error);
+        Params { kernel, keep_dense: self.wanted.keep_dense, ..Params::error(error) }
     }
 }
 
@@ -58,7 +59,7 @@ impl Stage for Packing {
 
     fn text(&self) -> String {
         let kernel = if self.options.is_one_bounce() { " --kernel one-bounce" } else { "" };
-        format!("{}{kernel}", self.wanted.text())
+        format!("{}{kernel}", self.wanted.text(self.params().error))
     }
 
     fn memory(&self, input: &Container) -> anyhow::Result<(u64, &'static str)> {

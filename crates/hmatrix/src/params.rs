@@ -46,6 +46,6 @@ impl Params {
 
 impl Default for Params {
     fn default() -> Params {
-        Params { kernel: Kernel::AllBounces, error: 0.01, leaf: 24, probes: 20, seed: 1, keep_dense: false }
+        Params { kernel: Kernel::AllBounces, error: 0.005, leaf: 24, probes: 20, seed: 1, keep_dense: false }
     }
 }
