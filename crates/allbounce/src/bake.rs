@@ -69,6 +69,14 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     if args.dxt_pack.format.is_some() && args.operator != Operator::Textures {
         bail!("--format is about textures, but the operator becomes hierarchical blocks; add --operator textures");
     }
+    if args.hmatrix.is_one_bounce() && args.operator == Operator::Textures {
+        bail!("--kernel one-bounce is about hierarchical blocks; leave out --operator textures");
+    }
+    if args.hmatrix.is_one_bounce() && args.series.is_cut() {
+        bail!(
+            "--bounces sums in the bake, but with --kernel one-bounce a frame solves for all bounces; take one of them"
+        );
+    }
     let mut stages = Vec::new();
     let mut current = None;
     let report = voxel_simplify::apply(&args.scene, &args.voxel_simplify, session, &mut keep(&mut current))?;

@@ -52,6 +52,13 @@ const PROGRAM: u64 = 10 << 20;
 /// The flags as parameters that fit together.
 pub struct Options(Params);
 
+impl Options {
+    /// Whether it is the first bounces that are summed.
+    pub fn is_cut(&self) -> bool {
+        self.0.bounces.is_some()
+    }
+}
+
 impl TryFrom<Flags> for Options {
     type Error = clap::Error;
 

@@ -7,13 +7,10 @@
 //! vector is light that is the same everywhere. Columns are sorted by what they hold, so every shorter basis is the
 //! start of the longest one. Components of the operator are taken apart, so nothing passes between sealed rooms.
 
-use radfile::{Colour, NO_COMPONENT, Operator, Patches, Progress, rounded, unit_of};
+use radfile::{Colour, NO_COMPONENT, Operator, Patches, Progress, luma, rounded, unit_of};
 use rayon::prelude::*;
 
-use crate::{
-    luma::{entry, luma},
-    small::{backward, cholesky, eigen, forward, product, transposed},
-};
+use crate::small::{backward, cholesky, eigen, forward, product, transposed};
 
 /// Columns of the largest basis.
 pub const MOST_COLUMNS: usize = 128;
@@ -99,7 +96,7 @@ impl<'a> Basis<'a> {
         let members = || c.patches.iter().zip(&c.weight);
         let of_row = |(&i, s): (&u32, &f64)| -> f64 {
             let entry =
-                |(&j, t): (&u32, &f64)| (s * t * f64::from(luma(entry(self.operator, i as usize, j as usize)))).powi(2);
+                |(&j, t): (&u32, &f64)| (s * t * f64::from(luma(self.operator.entry(i as usize, j as usize)))).powi(2);
             members().map(entry).sum()
         };
         members().map(of_row).sum::<f64>().max(f64::MIN_POSITIVE)
@@ -117,7 +114,7 @@ impl<'a> Basis<'a> {
                     let mut sums = sums.chunks_exact_mut(width);
                     for i in rows.clone() {
                         let both = c.weight[i] * c.weight[j];
-                        let k = entry(self.operator, c.patches[i] as usize, c.patches[j] as usize);
+                        let k = self.operator.entry(c.patches[i] as usize, c.patches[j] as usize);
                         let y = luma(k);
                         for (axis, matrix) in self.axes.iter().zip(matrices) {
                             let value: f64 = (0..3).map(|ch| f64::from(axis[ch] * (k[ch] - y))).sum();

@@ -1,24 +1,12 @@
 //! What the channels of an operator have in common, and what colour is left.
 
-use radfile::Operator;
+use radfile::{Operator, luma};
 use rayon::prelude::*;
 
 use crate::small::eigen;
 
-/// Weights of red, green and blue in luma (ITU-R BT.709).
-pub const LUMA: [f32; 3] = [0.2126, 0.7152, 0.0722];
 /// A plane with less than this share of the square of luma is rounding.
 const ROUNDING: f64 = 1e-13;
-
-/// Luma of three numbers; equal ones give themselves.
-pub fn luma([red, green, blue]: [f32; 3]) -> f32 {
-    green + LUMA[0] * (red - green) + LUMA[2] * (blue - green)
-}
-
-/// An entry of all channels.
-pub fn entry(operator: &Operator, row: usize, column: usize) -> [f32; 3] {
-    [0, 1, 2].map(|c| operator.channel(c)[row * operator.n + column])
-}
 
 /// K_Y as an operator of one channel. Grey operators are their own.
 pub fn of_operator<'a>(operator: &'a Operator) -> Operator<'a> {
@@ -28,7 +16,7 @@ pub fn of_operator<'a>(operator: &'a Operator) -> Operator<'a> {
     } else {
         let mut values = vec![0.0; n * n];
         values.par_chunks_mut(n).enumerate().for_each(|(row, values)| {
-            values.iter_mut().enumerate().for_each(|(column, value)| *value = luma(entry(operator, row, column)));
+            values.iter_mut().enumerate().for_each(|(column, value)| *value = luma(operator.entry(row, column)));
         });
         values.into()
     };
@@ -44,7 +32,7 @@ pub fn axes(operator: &Operator) -> Vec<[f32; 3]> {
     let of_row = |row: usize| {
         let mut sums = [0.0; 10];
         for column in 0..operator.n {
-            let k = entry(operator, row, column);
+            let k = operator.entry(row, column);
             let y = luma(k);
             let d = k.map(|k| f64::from(k - y));
             (0..9).for_each(|at| sums[at] += d[at / 3] * d[at % 3]);

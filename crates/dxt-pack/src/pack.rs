@@ -67,9 +67,10 @@ pub fn memory_needed(n: usize, channels: usize, params: &Params) -> u64 {
         }
         BlockFormat::Bc4 => {
             let colour = if channels == 1 { 0 } else { 4 * entries + colour::memory_needed(n) };
-            // The matrix is decoded whole to try a share of outliers.
-            let trial = if params.outliers == Outliers::Auto { 4 * entries } else { 0 };
-            entries / 4 + (share * entries as f64).ceil() as u64 * 4 + index + colour + trial
+            // The matrix is decoded whole to try a share of outliers, and what each share gives is kept.
+            let shares = if params.outliers == Outliers::Auto { 3 } else { 1 };
+            let texture = entries / 4 + (share * entries as f64).ceil() as u64 * 4;
+            shares * texture + index + colour + 4 * entries
         }
     }
 }

@@ -55,22 +55,21 @@ impl Solve {
         solution.fill([0.0; 3]);
         let mut square = dots(residual, residual);
         let enough = square.map(|s| s * tolerance * tolerance);
+        let mut done = [0, 1, 2].map(|c| square[c] <= enough[c]);
         let mut products = 2;
-        while products < MOST_PRODUCTS {
+        while products < MOST_PRODUCTS && done != [true; 3] {
             fill(sent, |i| times(root(i), direction[i]));
             one_bounce(sent, received);
             products += 1;
             fill(sent, |i| add(direction[i], [-1.0; 3], times(root(i), received[i])));
             let curvature = dots(direction, sent);
-            let goes_on = |c: usize| square[c] > enough[c] && curvature[c] > 0.0;
-            let step = [0, 1, 2].map(|c| if goes_on(c) { (square[c] / curvature[c]) as f32 } else { 0.0 });
+            (0..3).for_each(|c| done[c] |= curvature[c] <= 0.0);
+            let step = [0, 1, 2].map(|c| if done[c] { 0.0 } else { (square[c] / curvature[c]) as f32 });
             fill_from(solution, |i, u| add(u, step, direction[i]));
             fill_from(residual, |i, r| add(r, step.map(|s| -s), sent[i]));
             let before = std::mem::replace(&mut square, dots(residual, residual));
-            if (0..3).all(|c| !(step[c] > 0.0 && square[c] > enough[c])) {
-                break;
-            }
-            let turn = [0, 1, 2].map(|c| if before[c] > 0.0 { (square[c] / before[c]) as f32 } else { 0.0 });
+            (0..3).for_each(|c| done[c] |= square[c] <= enough[c]);
+            let turn = [0, 1, 2].map(|c| if done[c] { 0.0 } else { (square[c] / before[c]) as f32 });
             fill_from(direction, |i, p| add(residual[i], turn, p));
         }
         fill(sent, |i| times(root(i), solution[i]));

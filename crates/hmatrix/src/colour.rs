@@ -8,7 +8,7 @@
 //! One symmetric low-rank factor for the whole of Δ was tried instead. Rooms with doors have no low rank: of 126
 //! columns for 2618 patches 1 % of the light was still missing, at twice the bytes of luma.
 
-use radfile::Operator;
+use radfile::{Operator, luma};
 use rayon::prelude::*;
 
 use crate::{
@@ -16,23 +16,11 @@ use crate::{
     small::eigen,
 };
 
-/// Weights of red, green and blue in luma (ITU-R BT.709).
-const LUMA: [f32; 3] = [0.2126, 0.7152, 0.0722];
 /// A plane with less than this share of the square of luma is rounding.
 const ROUNDING: f64 = 1e-13;
 
 /// How much of a plane is in red, green and blue.
 pub type Colour = [f32; 3];
-
-/// An entry of luma. Channels that are equal give themselves.
-pub fn luma([red, green, blue]: [f32; 3]) -> f32 {
-    green + LUMA[0] * (red - green) + LUMA[2] * (blue - green)
-}
-
-/// An entry of all channels; those of grey operators are equal.
-pub fn entry(operator: &Operator, row: usize, column: usize) -> [f32; 3] {
-    [0, 1, 2].map(|c| operator.channel(c)[row * operator.n + column])
-}
 
 /// The colours that planes have: luma's first. Grey operators have no other.
 pub fn colours(operator: &Operator) -> Vec<Colour> {
@@ -44,7 +32,7 @@ pub fn colours(operator: &Operator) -> Vec<Colour> {
         let mut products = [[0.0; 3]; 3];
         let mut square = 0.0;
         for column in 0..operator.n {
-            let k = entry(operator, row, column);
+            let k = operator.entry(row, column);
             let y = luma(k);
             let d = k.map(|k| f64::from(k - y));
             square += f64::from(y).powi(2);
@@ -67,7 +55,7 @@ pub fn colours(operator: &Operator) -> Vec<Colour> {
 pub fn plane(operator: &Operator, order: &[u32], side: &Side, number: usize, colour: Colour) -> Matrix {
     let n = operator.n;
     let value = |row: u32, column: u32| {
-        let k = entry(operator, row as usize, column as usize);
+        let k = operator.entry(row as usize, column as usize);
         let y = luma(k);
         if number == 0 { y } else { (0..3).map(|c| colour[c] * (k[c] - y)).sum() }
     };

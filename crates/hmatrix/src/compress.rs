@@ -162,9 +162,9 @@ impl Candidates {
     fn search(&self, trial: &Trial, wanted: f64, progress: &dyn Progress) -> (Packed, usize) {
         let size = self.channels as f64 * self.planes[0].plan.energy();
         // How much more of the error of colour reaches the light than of that of luma.
-        let mut weight = 2.0;
+        let (mut weight, mut rounds) = (2.0, 0);
         let search = Search { wanted, least: 2, most: ROUNDS, ..Search::default() };
-        let (best, rounds) = search.run((FIRST_AIM * wanted).powi(2) * size, |aim| {
+        let (best, made) = search.run((FIRST_AIM * wanted).powi(2) * size, |aim| {
             let price = price(aim, |price| {
                 let expected = self.decide(price, weight).1;
                 expected.luma + weight * expected.colour
@@ -173,13 +173,15 @@ impl Candidates {
             progress.advance(1);
             let squares = trial.squares(&packed.matrix, &luma);
             let ratio = squares.colour / expected.colour / (squares.luma / expected.luma);
-            if ratio.is_finite() && ratio > 0.0 {
+            // Found twice, then kept: errors of rounds are compared by it.
+            rounds += 1;
+            if rounds <= 2 && ratio.is_finite() && ratio > 0.0 {
                 weight = ratio.clamp(0.01, 100.0);
             }
             let matrix = expected.luma + weight * expected.colour;
             Round { error: packed.error, bytes: packed.matrix.to_bytes().len(), matrix, packed }
         });
-        (best.packed, rounds)
+        (best.packed, made)
     }
 
     /// The choices of every plane. Errors of luma are in all channels; those of colour count by their weight.

@@ -1,10 +1,10 @@
 //! The rows that are packed to a rectangle, seen once before they are: whether they are rows at all, the light that comes
 //! of them, and which receivers and patches have to do with each other.
 
-use radfile::{Groups, Patches, Progress, Rows};
+use radfile::{Groups, Patches, Progress, Rows, luma};
 use rayon::prelude::*;
 
-use crate::{Error, Result, colour::luma, compress::numbers_of_groups};
+use crate::{Error, Result, compress::numbers_of_groups};
 
 /// What a row may sum to, rounding included.
 const MOST: f64 = 1.001;

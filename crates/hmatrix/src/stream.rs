@@ -180,6 +180,9 @@ impl Plane {
             return input.damaged(unit.to_string(), "a unit above 0");
         }
         let colour = [input.get_f32(MOST)?, input.get_f32(MOST)?, input.get_f32(MOST)?];
+        if number == 0 && colour != [1.0; 3] {
+            return input.damaged(format!("{colour:?}"), "all of luma in every channel");
+        }
         let mut blocks = Vec::new();
         for id in pairs.of_level(pairs.first) {
             read_blocks(input, pairs, id, number == 0, &mut blocks)?;

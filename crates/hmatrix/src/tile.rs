@@ -83,11 +83,11 @@ impl Tile {
         let top = positive(input)?;
         let large = input.get(16)? as usize;
         input.need(large, 32)?;
-        let mut apart = Vec::with_capacity(large);
+        let mut apart: Vec<(u16, f16)> = Vec::with_capacity(large);
         for _ in 0..large {
             let at = input.get(16)?;
-            if at as usize >= count {
-                return input.damaged(format!("entry {at}"), "an entry of the tile");
+            if at as usize >= count || apart.last().is_some_and(|last| u32::from(last.0) >= at) {
+                return input.damaged(format!("entry {at}"), "an entry of the tile after the one before");
             }
             apart.push((at as u16, positive(input)?));
         }

@@ -3,13 +3,10 @@
 use std::cell::Cell;
 
 use probes::{Errors, Row, probe_lights, sent_light, summarise};
-use radfile::{Kernel, Operator, Patches, Progress};
+use radfile::{Kernel, Operator, Patches, Progress, luma};
 use rayon::prelude::*;
 
-use crate::{
-    HMatrix, Params, Solve,
-    colour::{entry, luma},
-};
+use crate::{HMatrix, Params, Solve};
 
 /// What a solve of the exact operator leaves: far below any error that can be asked for.
 const EXACT: f64 = 1e-5;
@@ -183,7 +180,7 @@ fn product(row: &[f32], x: &[[f32; 3]]) -> [f32; 3] {
 fn received(operator: &Operator, row: usize, channel: usize, sent: &[f64], lights: usize) -> [Vec<f64>; 2] {
     let mut sums = [vec![0.0; lights], vec![0.0; lights]];
     for (column, sent) in sent.chunks(lights).enumerate() {
-        let k = entry(operator, row, column);
+        let k = operator.entry(row, column);
         for (sums, value) in sums.iter_mut().zip([k[channel], luma(k)]) {
             sums.iter_mut().zip(sent).for_each(|(sum, sent)| *sum += f64::from(value) * sent);
         }

@@ -143,9 +143,11 @@ impl Colour<'_> {
         }
         let (mut codes, mut entries) = (0u64, 0u64);
         for (component, (members, &rank)) in self.members().iter().zip(&self.rank).enumerate() {
-            if rank as usize > members.len() {
-                let what = format!("component {component} has {} patches and {rank} columns", members.len());
-                return refuse(what);
+            if !(1..=members.len()).contains(&(rank as usize)) {
+                let (least, most) = (1, members.len());
+                return refuse(format!(
+                    "component {component} has {rank} columns, expected {least} to {most}, its patches"
+                ));
             }
             codes += members.len() as u64 * u64::from(rank);
             entries += u64::from(rank) * (u64::from(rank) + 1) / 2;

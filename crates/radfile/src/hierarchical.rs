@@ -56,8 +56,9 @@ impl<'a> Record<'a> for HierarchicalOperator<'a> {
         const NAME: &str = "hierarchical operator";
         let certificate: Certificate = c.meta("hmatrix.meta")?;
         let k = &certificate;
-        let shares = [k.error_wanted, k.l2_mean, k.vis99];
-        if k.n == 0 || !matches!(k.channels, 1 | 3) || !shares.iter().all(|e| e.is_finite() && *e >= 0.0) {
+        let measured = [k.l2_mean, k.vis99].iter().all(|e| e.is_finite() && *e >= 0.0);
+        // Frames solve to a part of the error that was asked for.
+        if k.n == 0 || !matches!(k.channels, 1 | 3) || !measured || !(1e-6..=1.0).contains(&k.error_wanted) {
             return Err(Error::invariant(NAME, format!("illegal certificate {k:?}")));
         }
         check_patch_count(c, NAME, k.n as usize)?;

@@ -49,6 +49,7 @@ mod half;
 mod hierarchical;
 mod layout;
 mod locator;
+mod luma;
 mod materials;
 mod mesh;
 mod meta;
@@ -73,6 +74,7 @@ pub use half::{Colour, ColourBlock, MOST_PATCHES, NO_COMPONENT, half_blocks, rou
 pub use hierarchical::{Certificate, HierarchicalOperator, Kernel};
 pub use layout::{FLAG_PATCH_ORDER, FLAG_REQUIRED, IDENTIFIER, VERSION};
 pub use locator::{CUT, CellKey, Cut, DEEPEST_CUT, PatchLocator};
+pub use luma::{LUMA, luma};
 pub use materials::{Material, Materials, Texture, Wrap};
 pub use mesh::{Mesh, Side, face_id};
 pub use meta::{decode as decode_meta, encode as encode_meta};

@@ -116,8 +116,8 @@ fn halves_with_broken_numbers_are_refused() {
         (|p, _| p.outlier_value.to_mut()[1] = f32::INFINITY, "finite"),
         (|_, c| c.axes[1][2] = f32::NAN, "axes of colour"),
         (|_, c| c.component.to_mut()[3] = 2, "patch 3 is in component 2 of 2"),
-        (|_, c| c.rank[1] = 3, "component 1 has 2 patches and 3 columns"),
-        (|_, c| c.rank[1] = 0, "(8, 8) codes and entries of cores, expected (6, 3 a plane)"),
+        (|_, c| c.rank[1] = 3, "component 1 has 3 columns, expected 1 to 2, its patches"),
+        (|_, c| c.rank[1] = 0, "component 1 has 0 columns, expected 1 to 2"),
         (|_, c| c.codes.to_mut().truncate(7), "(7, 8) codes and entries of cores, expected (8, 4 a plane)"),
         (|_, c| c.scale.to_mut()[1] = f32::NAN, "finite"),
     ];
