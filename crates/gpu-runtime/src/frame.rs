@@ -1,4 +1,4 @@
-//! What frames work on, made once: a later frame takes no memory on the device for it.
+//! What frames work on, made once: a later frame makes no buffers for it.
 
 use crate::{
     Gpu, Result,

@@ -21,7 +21,9 @@ pub fn figure(record: &Record) -> Figure {
         name: "operator-speed",
         setting: format!(
             "Milliseconds of all bounces of a frame in three colours on one thread, and error of indirect light, \
-             `{SCENE}`, n = {n}. Textures are made for GPUs; here a processor decodes them. Record {}.",
+             `{SCENE}`, n = {n}. Textures are made for GPUs; here a processor decodes them. F does not fit the caches and is \
+             read from memory at {:.0} GB/s, shared with other work: on a quiet machine it is up to twice as fast. Record {}.",
+            bandwidth(record),
             record.name
         ),
         claims: claims(record),
@@ -38,6 +40,12 @@ pub fn figure(record: &Record) -> Figure {
             series,
         },
     }
+}
+
+/// What the rival reads in a second on one thread, 10⁹ bytes.
+fn bandwidth(record: &Record) -> f64 {
+    let row = record.one(SCENE, PATCHES, "dense-f", "bounces=8");
+    row.and_then(|row| Some(8.0 * row.bytes as f64 / (1e6 * row.cpu1_ms?))).unwrap_or(f64::NAN)
 }
 
 fn claims(record: &Record) -> Vec<Claim> {
