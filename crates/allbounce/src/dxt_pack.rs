@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::PossibleValuesParser;
 use dxt_pack::{MapKind, Outliers, Params};
-use radfile::{Container, PackedOperator, Progress, Record, Sink, Step};
+use radfile::{BlockFormat, Container, PackedOperator, Progress, Record, Sink, Step};
 
 use crate::{
     files, numbers,
@@ -86,11 +86,13 @@ impl Stage for Packing {
             Outliers::Auto => "auto".to_owned(),
             Outliers::Share(share) => share.to_string(),
         };
-        format!(
-            "--format {} --outliers {outliers}{shift} {}",
-            self.options.format(),
-            self.wanted.text(self.params().error)
-        )
+        let format = self.options.format();
+        // What is as published has no error to keep within.
+        let wanted = match self.params().format {
+            BlockFormat::Bc1 => self.wanted.keep_dense_text().to_owned(),
+            BlockFormat::Bc4 => format!(" {}", self.wanted.text(self.params().error)),
+        };
+        format!("--format {format} --outliers {outliers}{shift}{wanted}")
     }
 
     fn memory(&self, input: &Container) -> anyhow::Result<(u64, &'static str)> {

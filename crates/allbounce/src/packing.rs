@@ -16,6 +16,11 @@ pub struct Wanted {
 impl Wanted {
     /// As typed, with the error that is kept within.
     pub fn text(&self, error: f64) -> String {
-        format!("--operator-error {error}{}", if self.keep_dense { " --keep-dense" } else { "" })
+        format!("--operator-error {error}{}", self.keep_dense_text())
+    }
+
+    /// As typed, behind other options.
+    pub fn keep_dense_text(&self) -> &'static str {
+        if self.keep_dense { " --keep-dense" } else { "" }
     }
 }

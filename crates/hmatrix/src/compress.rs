@@ -1,7 +1,6 @@
 //! Packs an operator: the cheapest blocks whose light is as good as was asked for.
 
 use radfile::{Kernel, Operator, Patches, Progress};
-use rayon::prelude::*;
 
 use crate::{
     Error, HMatrix, Params, Report, Result,
@@ -28,7 +27,7 @@ pub const FIRST_AIM: f64 = 0.03;
 ///
 /// # Errors
 ///
-/// [`Error::Option`], [`Error::Empty`], [`Error::Shape`], [`Error::Coloured`], [`Error::PatchCount`], [`Error::Value`].
+/// [`Error::Option`], [`Error::Shape`], [`Error::Coloured`], and [`Error::Container`] for what [`Operator::check`] refuses.
 pub fn compress(
     operator: &Operator,
     patches: &Patches,
@@ -96,21 +95,7 @@ fn check(operator: &Operator, patches: &Patches) -> Result<()> {
     if !matches!(channels, 1 | 3) || n.checked_mul(n).and_then(|size| size.checked_mul(channels)) != Some(values) {
         return Err(Error::Shape { values, channels, n });
     }
-    if n == 0 {
-        return Err(Error::Empty);
-    }
-    if patches.len() != n {
-        return Err(Error::PatchCount { operator: n, patches: patches.len() });
-    }
-    match operator.values.par_iter().position_first(|v| !(v.is_finite() && *v >= 0.0)) {
-        Some(at) => Err(Error::Value {
-            channel: at / (n * n),
-            receiver: at / n % n,
-            sender: at % n,
-            value: operator.values[at],
-        }),
-        None => Ok(()),
-    }
+    Ok(operator.check(patches.len())?)
 }
 
 /// For each of `n` patches, which of the groups that exchange nothing it is of; the largest group is 0.

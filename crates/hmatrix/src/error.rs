@@ -41,18 +41,6 @@ pub enum Error {
         /// Patches in the list.
         patches: usize,
     },
-    /// An entry of the operator is negative or no number.
-    #[error("K[{receiver}, {sender}] of channel {channel} is {value}, expected a finite K ≥ 0; solve the series again")]
-    Value {
-        /// Colour channel.
-        channel: usize,
-        /// Row.
-        receiver: usize,
-        /// Column.
-        sender: usize,
-        /// The entry.
-        value: f32,
-    },
     /// Nobody receives.
     #[error("there are no receivers; no rows can be packed (does the mesh have faces?)")]
     NoReceivers,

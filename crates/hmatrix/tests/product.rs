@@ -95,13 +95,15 @@ fn what_is_no_operator_is_refused() {
     for bad in [f32::NAN, -1.0, f32::INFINITY] {
         let mut operator = made_up(6, 3);
         operator.values.to_mut()[36 + 8] = bad;
-        let error = pack(&operator, 6, &params);
-        assert!(matches!(error, Error::Value { channel: 1, receiver: 1, sender: 2, .. }), "{error}");
+        let error = pack(&operator, 6, &params).to_string();
+        assert!(error.contains("K[1, 2] of channel 1 is"), "{error}");
     }
-    assert!(matches!(pack(&made_up(6, 3), 5, &params), Error::PatchCount { operator: 6, patches: 5 }));
+    let error = pack(&made_up(6, 3), 5, &params).to_string();
+    assert!(error.contains("has 6 patches, the patch list 5"), "{error}");
     assert!(matches!(pack(&Operator { n: 7, ..made_up(6, 1) }, 7, &params), Error::Shape { values: 36, .. }));
     assert!(matches!(pack(&Operator { channels: 2, ..made_up(6, 1) }, 6, &params), Error::Shape { channels: 2, .. }));
-    assert!(matches!(pack(&made_up(0, 1), 0, &params), Error::Empty));
+    let error = pack(&made_up(0, 1), 0, &params).to_string();
+    assert!(error.contains("no patches"), "{error}");
     for error in [f64::NAN, 0.0, -1.0, 0.6] {
         assert!(matches!(pack(&made_up(6, 1), 6, &Params::error(error)), Error::Option { option: "error", .. }));
     }
