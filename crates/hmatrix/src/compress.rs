@@ -1,6 +1,7 @@
 //! Packs an operator: the cheapest blocks whose light is as good as was asked for.
 
-use radfile::{Kernel, Operator, Patches, Progress};
+use radfile::{Groups, Kernel, Operator, Patches, Progress, luma};
+use rayon::prelude::*;
 
 use crate::{
     Error, HMatrix, Params, Report, Result,
@@ -16,6 +17,8 @@ use crate::{
 
 /// How often the price of a byte is corrected at most.
 pub const ROUNDS: usize = 6;
+/// Patches exchange much if it is more than this share of the most that either exchanges.
+const MUCH: f32 = 0.05;
 /// Error of the matrix over that of light, both relative, to begin with: blocks are measured where they are
 /// largest, in even light.
 pub const FIRST_AIM: f64 = 0.03;
@@ -41,7 +44,8 @@ pub fn compress(
     }
     let tree = Tree::new(operator.n, params.leaf);
     let groups = numbers_of_groups(operator.components(), operator.n);
-    let order = order(&patches.position, &patches.normal, &groups, tree);
+    let regions = numbers_of_groups(regions(operator), operator.n);
+    let order = order(&patches.position, &patches.normal, &regions, tree);
     let weights = weights(patches, &order);
     let groups = order.iter().map(|&patch| groups[patch as usize]).collect();
     let side = Side { weights: weights.clone(), groups };
@@ -106,6 +110,21 @@ pub fn numbers_of_groups(mut groups: Vec<Vec<u32>>, n: usize) -> Vec<u32> {
         patches.iter().for_each(|&patch| numbers[patch as usize] = number as u32);
     }
     numbers
+}
+
+/// Groups of patches that exchange much with each other, through any number of others: rooms, and insides of solids that a
+/// gap in the mesh joins to a room. Only the order of clusters follows them.
+fn regions(operator: &Operator) -> Vec<Vec<u32>> {
+    let n = operator.n;
+    let luma = |row: usize, column: usize| luma(operator.entry(row, column));
+    let most = |row: usize| (0..n).filter(|&column| column != row).map(|column| luma(row, column)).fold(0.0, f32::max);
+    let most: Vec<f32> = (0..n).into_par_iter().map(most).collect();
+    let mut groups = Groups::new(n);
+    for row in 0..n {
+        let much = |&column: &usize| luma(row, column) > MUCH * (most[row] * most[column]).sqrt();
+        (0..row).filter(much).for_each(|column| groups.join(row as u32, column as u32));
+    }
+    groups.lists()
 }
 
 /// √A of every place in codes; 1 at least, so that no block is without weight.
