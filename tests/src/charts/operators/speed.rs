@@ -22,7 +22,7 @@ pub fn figure(record: &Record) -> Figure {
         setting: format!(
             "Milliseconds of all bounces of a frame in three colours on one thread, and error of indirect light, \
              `{SCENE}`, n = {n}. Textures are made for GPUs; here a processor decodes them. F does not fit the caches and is \
-             read from memory at {:.0} GB/s, shared with other work: on a quiet machine it is up to twice as fast. Record {}.",
+             read from memory at {:.0} GB/s. Record {}.",
             bandwidth(record),
             record.name
         ),
