@@ -31,7 +31,7 @@ impl<'a> Trial<'a> {
         let sent: Vec<Vec<f64>> = (0..operator.channels).map(|c| sent_light(patches, &lights, c)).collect();
         let through = |of: &Operator| {
             let channels = sent.iter().enumerate();
-            channels.map(|(c, x)| dense(of.n, |row| of.channel(c)[row * of.n..][..of.n].to_vec(), x)).collect()
+            channels.map(|(c, x)| dense(of.n, of.channel(c), x)).collect()
         };
         let (received, by_luma) = (through(operator), through(luma));
         Trial { operator, sent, received, by_luma }
@@ -41,16 +41,9 @@ impl<'a> Trial<'a> {
     pub fn of_luma(&self, packed: &PackedOperator) -> f64 {
         let n = self.operator.n;
         let decoder = packed.decoder();
-        let decoded: Vec<Vec<f32>> = (0..n.div_ceil(4))
-            .into_par_iter()
-            .flat_map_iter(|block| {
-                let mut rows = vec![0.0; 4 * n];
-                decoder.rows(0, block, &mut rows);
-                let rows: Vec<Vec<f32>> = rows.chunks_exact(n).map(<[f32]>::to_vec).collect();
-                rows
-            })
-            .collect();
-        let found = self.sent.iter().map(|x| dense(n, |row| decoded[row].clone(), x));
+        let mut decoded = vec![0.0; n.next_multiple_of(4) * n];
+        decoded.par_chunks_exact_mut(4 * n).enumerate().for_each(|(block, rows)| decoder.rows(0, block, rows));
+        let found = self.sent.iter().map(|x| dense(n, &decoded, x));
         self.error(found.zip(&self.by_luma).map(|(found, exact)| difference(&found, exact)).collect())
     }
 
@@ -88,12 +81,12 @@ pub fn cheapest(first: &[(usize, f64)], second: &[(usize, f64)], error: f64) -> 
     within.or_else(|| pairs().min_by(|&a, &b| lost(a).total_cmp(&lost(b)))).expect("something to choose from")
 }
 
-/// The product of the rows of a matrix and light.
-fn dense(n: usize, row: impl Fn(usize) -> Vec<f32> + Sync, x: &[f64]) -> Vec<f64> {
+/// The product of the first n rows of a matrix and light.
+fn dense(n: usize, matrix: &[f32], x: &[f64]) -> Vec<f64> {
     let lights = LIGHTS as usize;
     let product = |i: usize| {
         let mut sums = [0.0; LIGHTS as usize];
-        for (k, x) in row(i).into_iter().zip(x.chunks_exact(lights)) {
+        for (&k, x) in matrix[i * n..][..n].iter().zip(x.chunks_exact(lights)) {
             sums.iter_mut().zip(x).for_each(|(sum, x)| *sum += f64::from(k) * x);
         }
         sums

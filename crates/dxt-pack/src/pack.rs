@@ -139,8 +139,8 @@ fn colours(basis: &Basis) -> Vec<Colour<'static>> {
         0 => vec![Colour::default()],
         // Colour of less than the fewest columns is kept whole.
         all => {
-            let counts =
-                COLUMNS.iter().copied().filter(|&count| count < all).chain([all.min(COLUMNS[COLUMNS.len() - 1])]);
+            let most = COLUMNS[COLUMNS.len() - 1];
+            let counts = COLUMNS.iter().copied().filter(|&count| count < all).chain((all <= most).then_some(all));
             counts.map(|count| basis.colour(held[count - 1])).collect()
         }
     }

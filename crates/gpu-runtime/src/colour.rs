@@ -5,7 +5,7 @@ use radfile::PackedOperator;
 
 use crate::{
     Gpu, Result,
-    kernels::{self, Kernel},
+    kernels::{self, Dispatch, Kernel},
 };
 
 /// See `shaders/colour.wgsl`.
@@ -87,20 +87,15 @@ impl Colour {
         }))
     }
 
-    /// H += A^{-1/2} U C U^T x; `factors` holds √A in its fourth component.
-    pub fn add(
-        &self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        factors: &wgpu::Buffer,
-        x: &wgpu::Buffer,
-        h: &wgpu::Buffer,
-    ) {
+    /// What gives H += A^{-1/2} U C U^T x, bound once; `factors` holds √A in its fourth component.
+    pub fn prepare(&self, gpu: &Gpu, factors: &wgpu::Buffer, x: &wgpu::Buffer, h: &wgpu::Buffer) -> [Dispatch; 3] {
         let Colour { columns, members, codes, cores, gathered, carried, .. } = self;
         let [gather, core, scatter] = &self.kernels;
-        gather.groups(gpu, encoder, &entries(&[columns, members, codes, x, gathered]), self.counts[0]);
-        core.each(gpu, encoder, &entries(&[columns, cores, gathered, carried]), self.counts[0]);
-        scatter.each(gpu, encoder, &entries(&[columns, members, codes, factors, carried, h]), self.counts[1]);
+        [
+            gather.prepare(gpu, &entries(&[columns, members, codes, x, gathered]), self.counts[0]),
+            core.prepare_each(gpu, &entries(&[columns, cores, gathered, carried]), self.counts[0]),
+            scatter.prepare_each(gpu, &entries(&[columns, members, codes, factors, carried, h]), self.counts[1]),
+        ]
     }
 }
 

@@ -67,9 +67,9 @@ impl FrameBuffers {
     }
 
     /// H from H⁰.
-    pub fn bounce(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
+    pub fn bounce(&self, encoder: &mut wgpu::CommandEncoder) {
         self.send(encoder);
-        self.product.run(gpu, encoder);
+        self.product.run(encoder);
     }
 
     /// Light of the receivers from H.

@@ -119,17 +119,6 @@ impl Kernel {
     ) {
         self.prepare_each(gpu, resources, count).run(encoder);
     }
-
-    /// Runs `groups` workgroups.
-    pub fn groups(
-        &self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        resources: &[wgpu::BindingResource],
-        groups: usize,
-    ) {
-        self.prepare(gpu, resources, groups).run(encoder);
-    }
 }
 
 impl Dispatch {

@@ -8,7 +8,7 @@ use wgpu::util::DeviceExt;
 use crate::{
     Error, Gpu, Result,
     colour::Colour,
-    kernels::{self, Kernel},
+    kernels::{self, Dispatch, Kernel},
 };
 
 /// Who decodes the blocks of the operator.
@@ -124,15 +124,8 @@ impl Operator {
         gpu.vectors("senders", self.width, FEWER)
     }
 
-    /// H = A^{-1/2} K x; `factors` holds √A in its fourth component.
-    pub fn multiply(
-        &self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        factors: &wgpu::Buffer,
-        x: &wgpu::Buffer,
-        h: &wgpu::Buffer,
-    ) {
+    /// What gives H = A^{-1/2} K x, bound once; `factors` holds √A in its fourth component.
+    pub fn prepare(&self, gpu: &Gpu, factors: &wgpu::Buffer, x: &wgpu::Buffer, h: &wgpu::Buffer) -> Vec<Dispatch> {
         let [start, column, value] = &self.outliers;
         let mut resources: Vec<wgpu::BindingResource> =
             [&self.params, factors, x, start, column, value, h].map(|b| b.as_entire_binding()).into();
@@ -140,10 +133,9 @@ impl Operator {
             Blocks::Texture(view) => wgpu::BindingResource::TextureView(view),
             Blocks::Buffer(buffer) => buffer.as_entire_binding(),
         });
-        self.kernel.groups(gpu, encoder, &resources, self.n.div_ceil(4));
-        if let Some(colour) = &self.colour {
-            colour.add(gpu, encoder, factors, x, h);
-        }
+        let mut product = vec![self.kernel.prepare(gpu, &resources, self.n.div_ceil(4))];
+        product.extend(self.colour.iter().flat_map(|colour| colour.prepare(gpu, factors, x, h)));
+        product
     }
 }
 

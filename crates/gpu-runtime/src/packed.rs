@@ -43,7 +43,7 @@ impl<'a> From<&'a HMatrix> for Packed<'a> {
 
 /// H = A^{-1/2} K x on the device.
 pub struct Product {
-    form: Form,
+    dispatches: Vec<Dispatch>,
     /// What patches send, scaled; as long as the form wants it.
     pub x: wgpu::Buffer,
     /// Irradiance of the patches after one and more bounces.
@@ -54,12 +54,6 @@ pub struct Product {
     pub bytes_read: usize,
 }
 
-enum Form {
-    /// With the buffer of √A.
-    Textures(Box<Operator>, wgpu::Buffer),
-    Hierarchical([Dispatch; 3]),
-}
-
 impl Product {
     /// Uploads an operator. `factors` holds √A in its fourth component; `sampled` says who decodes textures.
     pub fn new(gpu: &Gpu, packed: Packed, sampled: bool, factors: &wgpu::Buffer, h: wgpu::Buffer) -> Result<Product> {
@@ -67,21 +61,20 @@ impl Product {
             Packed::Textures(packed) => {
                 let operator = Operator::new(gpu, packed, sampled)?;
                 let (x, bytes) = (operator.senders(gpu)?, packed.size_in_bytes());
-                let form = Form::Textures(Box::new(operator), factors.clone());
-                Ok(Product { form, x, h, bytes, bytes_read: bytes })
+                let dispatches = operator.prepare(gpu, factors, &x, &h);
+                // Half of the matrix is read for rows and for columns.
+                let again = if packed.half.is_some() { packed.blocks.len() } else { 0 };
+                Ok(Product { dispatches, x, h, bytes, bytes_read: bytes + again })
             }
             Packed::Hierarchical(matrix) => {
                 let Hierarchical { x, product, bytes, bytes_read } = Hierarchical::new(gpu, matrix, factors, &h)?;
-                Ok(Product { form: Form::Hierarchical(product), x, h, bytes, bytes_read })
+                Ok(Product { dispatches: product.into(), x, h, bytes, bytes_read })
             }
         }
     }
 
     /// One product.
-    pub fn run(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder) {
-        match &self.form {
-            Form::Textures(operator, factors) => operator.multiply(gpu, encoder, factors, &self.x, &self.h),
-            Form::Hierarchical(dispatches) => kernels::run(encoder, "product", dispatches),
-        }
+    pub fn run(&self, encoder: &mut wgpu::CommandEncoder) {
+        kernels::run(encoder, "product", &self.dispatches);
     }
 }

@@ -8,7 +8,7 @@
 
 use radfile::{PackedOperator, Packing};
 
-use crate::{Gpu, Result, buffers::vec4, operator::Operator};
+use crate::{Gpu, Result, buffers::vec4, kernels, operator::Operator};
 
 /// Blocks along the edge of the sample.
 const EDGE: usize = 64;
@@ -24,7 +24,7 @@ pub fn sampler_bias(gpu: &Gpu, packed: &PackedOperator) -> Result<f64> {
     let (unit, x) = (gpu.storage("probe", &ones, "")?, gpu.storage("probe light", &ones, "")?);
     let h = gpu.vectors("probe result", n, "")?;
     let mut encoder = gpu.encoder();
-    operator.multiply(gpu, &mut encoder, &unit, &x, &h);
+    kernels::run(&mut encoder, "probe", &operator.prepare(gpu, &unit, &x, &h));
     let download = gpu.download(&mut encoder, &h, n);
     let [rows] = gpu.finish(encoder, [download])?;
     let bias = |channel: usize| {

@@ -214,7 +214,7 @@ impl GpuRuntime {
         same_count("the direct light", h0.len(), self.patches.count)?;
         let (frame, mut encoder) = (self.frame(), self.gpu.encoder());
         frame.set_direct(&self.gpu, h0);
-        frame.bounce(&self.gpu, &mut encoder);
+        frame.bounce(&mut encoder);
         let [_, way_back, _] = &frame.back;
         way_back.copy(&mut encoder, &frame.product.h);
         let [indirect] = self.gpu.finish(encoder, [way_back])?;
@@ -235,7 +235,7 @@ impl GpuRuntime {
         frame.set_direct(gpu, h0);
         frame.send(&mut encoder);
         gpu.submit(encoder, std::iter::empty())?;
-        let (milliseconds, by) = gpu.time(repeats, |encoder| frame.product.run(gpu, encoder))?;
+        let (milliseconds, by) = gpu.time(repeats, |encoder| frame.product.run(encoder))?;
         Ok(Timing { milliseconds, bytes_read: frame.product.bytes_read, by })
     }
 
@@ -265,7 +265,7 @@ impl GpuRuntime {
         let (gpu, mut frame, lamps) = (&self.gpu, self.frame(), self.studio.lamps(rig)?);
         let mut encoder = gpu.encoder();
         self.light_patches(&mut encoder, &mut frame, &lamps, &[]);
-        frame.bounce(gpu, &mut encoder);
+        frame.bounce(&mut encoder);
         frame.gather(gpu, &mut encoder, &self.rows, Mixture::LIGHT);
         for (way_back, from) in frame.back.iter().zip([&frame.h0, &frame.product.h, &frame.received]) {
             way_back.copy(&mut encoder, from);
@@ -313,7 +313,7 @@ impl GpuRuntime {
             self.gather_into(&mut encoder, &tables, Mixture { share: 0.0, sky }, &nothing, &points.irradiance);
         }
         self.light_patches(&mut encoder, &mut frame, &lamps, &[&points]);
-        frame.bounce(gpu, &mut encoder);
+        frame.bounce(&mut encoder);
         let indirect = tables.vectors(gpu, "indirect light of points")?;
         let light = match rows {
             PointRows::Interpolated(_) => frame.product.h.clone(),
@@ -362,7 +362,7 @@ impl GpuRuntime {
         let pixels: &[&Points] = if parts.direct { &[&canvas.points] } else { &[] };
         if parts.indirect {
             self.light_patches(&mut encoder, &mut frame, &lamps, pixels);
-            frame.bounce(gpu, &mut encoder);
+            frame.bounce(&mut encoder);
         } else {
             self.shadows.light(gpu, &mut encoder, &lamps.lamps, pixels, &mut frame.lamps);
             encoder.clear_buffer(&frame.product.h, 0, None);

@@ -12,7 +12,7 @@ use crate::{
     report::Sizes,
     search::{Round, Search, price},
     stream::{Axis, HEAVIEST, Parts, Plane},
-    trial::Trial,
+    trial::{Squares, Trial},
 };
 
 /// How often the price of a byte is corrected at most.
@@ -173,13 +173,12 @@ impl Candidates {
                 let expected = self.decide(price, weight).1;
                 expected.luma + weight * expected.colour
             });
-            let (packed, luma, expected) = self.pack(price, weight, trial);
+            let (packed, squares, expected) = self.pack(price, weight, trial);
             progress.advance(1);
-            let squares = trial.squares(&packed.matrix, &luma);
-            let ratio = squares.colour / expected.colour / (squares.luma / expected.luma);
+            let ratio = squares.map(|s| s.colour / expected.colour / (s.luma / expected.luma));
             // Found twice, then kept: errors of rounds are compared by it.
             rounds += 1;
-            if rounds <= 2 && ratio.is_finite() && ratio > 0.0 {
+            if let Some(ratio) = ratio.filter(|r| rounds <= 2 && r.is_finite() && *r > 0.0) {
                 weight = ratio.clamp(0.01, 100.0);
             }
             let matrix = expected.luma + weight * expected.colour;
@@ -199,8 +198,8 @@ impl Candidates {
         (decisions, expected)
     }
 
-    /// The operator at a price, and the same without colour.
-    fn pack(&self, price: f64, weight: f64, trial: &Trial) -> (Packed, HMatrix, Expected) {
+    /// The operator at a price, and where the errors of its light come from if it has colour.
+    fn pack(&self, price: f64, weight: f64, trial: &Trial) -> (Packed, Option<Squares>, Expected) {
         let (decisions, expected) = self.decide(price, weight);
         let plane = |(stored, decisions): (&Stored, &Decisions)| Plane {
             unit: stored.plan.unit(),
@@ -215,9 +214,10 @@ impl Candidates {
         };
         let (bytes, sizes) = parts.write();
         let matrix = HMatrix::new(&parts, bytes);
+        let coloured = parts.planes.len() > 1;
         parts.planes.truncate(1);
-        let luma = HMatrix::new(&parts, Vec::new());
-        let error = trial.errors(&matrix).l2_mean;
-        (Packed { matrix, sizes, error }, luma, expected)
+        let luma = coloured.then(|| HMatrix::new(&parts, Vec::new()));
+        let (errors, squares) = trial.by_source(&matrix, luma.as_ref());
+        (Packed { matrix, sizes, error: errors.l2_mean }, squares, expected)
     }
 }

@@ -135,11 +135,21 @@ impl<'a> Trial<'a> {
 
     /// What the light of `matrix` is worth.
     pub fn errors(&self, matrix: &HMatrix) -> Errors {
+        self.errors_of(&self.through(matrix))
+    }
+
+    /// The same and, where there is colour, errors by their source; `luma` is `matrix` without colour.
+    pub fn by_source(&self, matrix: &HMatrix, luma: Option<&HMatrix>) -> (Errors, Option<Squares>) {
+        let found = self.through(matrix);
+        (self.errors_of(&found), luma.map(|luma| self.squares(&found, &self.through(luma))))
+    }
+
+    fn errors_of(&self, found: &[Vec<f64>]) -> Errors {
         let count = self.lights.len();
         let channels: Vec<Vec<Row>> = self
             .exact
             .iter()
-            .zip(self.through(matrix))
+            .zip(found)
             .map(|(exact, found)| {
                 let rows = exact.chunks(count).zip(found.chunks(count));
                 let error = |exact: &[f64], found: &[f64]| found.iter().zip(exact).map(|(f, e)| f - e).collect();
@@ -149,9 +159,8 @@ impl<'a> Trial<'a> {
         summarise(&channels, self.patches, &self.lights)
     }
 
-    /// Errors by their source; `luma` is `matrix` without colour.
-    pub fn squares(&self, matrix: &HMatrix, luma: &HMatrix) -> Squares {
-        let (found, found_luma) = (self.through(matrix), self.through(luma));
+    /// Of light with and without colour.
+    fn squares(&self, found: &[Vec<f64>], found_luma: &[Vec<f64>]) -> Squares {
         let count = self.lights.len();
         let mut sums = vec![[0.0; 3]; count];
         for c in 0..self.exact.len() {
