@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         transfer::gather_for_points(&patches, &bvh, &points, &GatherParams { rays, ..Default::default() }, &Quiet);
     let gather_s = start.elapsed().as_secs_f64();
     let PointRows::Gathered { rows, .. } = gathered else { return Err("points are gathered".into()) };
-    let row = sparse(&rows, &receivers, &patches)?;
+    let row = sparse(&rows, &receivers)?;
     let a_row = rows.patch.len() as f64 / rows.len() as f64;
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let sparse_ms = [one.install(|| sparse_ms(&rows, patches.len())), sparse_ms(&rows, patches.len())];
@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     );
     for error in targets {
         let start = Instant::now();
-        let (packed, r) = compress_rows(&receivers, &patches, &row, &Params::error(error), &Quiet)?;
+        let (packed, r) = compress_rows(&receivers, &(&patches).into(), &row, &Params::error(error), &Quiet)?;
         let pack_s = start.elapsed().as_secs_f64();
         let share = |bytes: usize| bytes as f64 / r.bytes as f64;
         println!(
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
              {:.6},{:.5},{},{},{gather_s:.1},{pack_s:.1},{:.3},{:.3},{:.3},{:.3}",
             r.receivers,
             r.dark,
-            r.patches,
+            r.senders,
             r.bytes,
             r.bytes_per_receiver,
             r.bytes_per_entry,
@@ -99,7 +99,7 @@ fn median(times: usize, mut work: impl FnMut()) -> f64 {
 }
 
 fn product_ms(packed: &Rectangle) -> f64 {
-    let x = vec![[0.25, 0.5, 1.0]; packed.patches()];
+    let x = vec![[0.25, 0.5, 1.0]; packed.senders()];
     let (mut y, mut workspace) = (vec![[0.0; 3]; packed.receivers()], packed.workspace());
     median(31, || packed.multiply(std::hint::black_box(&x), &mut y, &mut workspace))
 }

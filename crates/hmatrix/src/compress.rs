@@ -46,7 +46,7 @@ pub fn compress(
     let groups = numbers_of_groups(operator.components(), operator.n);
     let regions = numbers_of_groups(regions(operator), operator.n);
     let order = order(&patches.position, &patches.normal, &regions, tree);
-    let weights = weights(patches, &order);
+    let weights = weights(&patches.area, &order);
     let groups = order.iter().map(|&patch| groups[patch as usize]).collect();
     let side = Side { weights: weights.clone(), groups };
     let planes = colours(operator).into_iter().enumerate().map(|(number, colour)| {
@@ -128,10 +128,9 @@ fn regions(operator: &Operator) -> Vec<Vec<u32>> {
 }
 
 /// √A of every place in codes; 1 at least, so that no block is without weight.
-pub fn weights(patches: &Patches, order: &[u32]) -> Vec<i8> {
-    let largest = patches.area.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
-    let weight =
-        |&patch: &u32| (HEAVIEST * (patches.area[patch as usize] / largest).sqrt()).round().clamp(1.0, HEAVIEST);
+pub fn weights(area: &[f32], order: &[u32]) -> Vec<i8> {
+    let largest = area.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
+    let weight = |&patch: &u32| (HEAVIEST * (area[patch as usize] / largest).sqrt()).round().clamp(1.0, HEAVIEST);
     order.iter().map(|patch| weight(patch) as i8).collect()
 }
 

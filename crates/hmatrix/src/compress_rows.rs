@@ -1,11 +1,11 @@
 //! Packs the rows of receivers: as `compress.rs` does an operator, chunk by chunk.
 //!
-//! Receivers may be many times as many as patches. They are cut into chunks of about as many as there are patches, each with
-//! a tree as deep as that of the patches, so that blocks are about square and no more than a few chunks are dense at a
+//! Receivers may be many times as many as senders. They are cut into chunks of about as many as there are senders, each with
+//! a tree as deep as that of the senders, so that blocks are about square and no more than a few chunks are dense at a
 //! time. All chunks have one price of a byte. It is found with some chunks, whose candidates are kept, and corrected with
 //! all if it has to be.
 //!
-//! What is stored is relative to the weight √A of the column, as in a symmetric operator: weights of patches grow with
+//! What is stored is relative to the weight √A of the column, as in a symmetric operator: weights of senders grow with
 //! their areas. Errors that neighbours share count more than others, in rows as in columns, though the error that steers
 //! does not ask for the former: without it there are a tenth fewer bytes, but four times the bias, and edges of blocks to be
 //! seen.
@@ -16,14 +16,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use crate::{
-    Error, HMatrix, Params, Rectangle, Result,
+    HMatrix, Params, Rectangle, Result,
     block::Block,
     cluster::{Tree, order},
     compress::{FIRST_AIM, ROUNDS, weights},
     pairs::{Id, Pairs},
     plan::{Matrix, Plan, Side, unit},
     report::Sizes,
-    rows::{Receivers, RowSource, Scan, Sent},
+    rows::{Receivers, RowSource, Scan, Senders, Sent, read_row},
     search::{Round, Search, price},
     stream::{Axis, HEAVIEST, Parts, Plane},
 };
@@ -44,8 +44,8 @@ pub struct RowsReport {
     pub receivers: usize,
     /// Receivers without any weight.
     pub dark: usize,
-    /// Number of patches.
-    pub patches: usize,
+    /// Number of senders.
+    pub senders: usize,
     /// Parts that the receivers were packed in.
     pub chunks: usize,
     /// Error that was wanted.
@@ -71,7 +71,7 @@ pub struct RowsReport {
     pub bytes: usize,
     /// Bytes per receiver.
     pub bytes_per_receiver: f64,
-    /// Bytes per entry of the receivers × patches matrix.
+    /// Bytes per entry of the receivers × senders matrix.
     pub bytes_per_entry: f64,
     /// What the bytes are spent on.
     pub sizes: Sizes,
@@ -81,34 +81,33 @@ pub struct RowsReport {
     pub rounds: usize,
 }
 
-/// Packs the weights of all patches at all receivers, which need not be symmetric; a row sums to at most 1.
+/// Packs the weights of all senders at all receivers, which need not be symmetric; a row sums to at most 1.
 ///
 /// Of `params` everything counts that is not said of operators: `kernel` and `keep_dense` do not. The error is that of
-/// what receivers get of patches that are lit by probe lights. Receivers without a weight get nothing, and
-/// receivers and patches that no row connects, even over others, exchange exactly nothing. `row` is called two to four times for
+/// what receivers get of senders that are lit by probe lights. Receivers without a weight get nothing, and
+/// receivers and senders that no row connects, even over others, exchange exactly nothing. `row` is called two to four times for
 /// each receiver.
 ///
 /// # Errors
 ///
-/// [`Error::Option`], [`Error::Empty`], [`Error::NoReceivers`], [`Error::ReceiverCount`], [`Error::Weight`], [`Error::RowSum`].
+/// [`Error::Option`], [`Error::NoSenders`], [`Error::SenderCount`], [`Error::NoReceivers`], [`Error::ReceiverCount`],
+/// [`Error::Sender`], [`Error::Weight`], [`Error::RowSum`].
 pub fn compress_rows(
     receivers: &Receivers,
-    patches: &Patches,
+    senders: &Senders,
     row: &RowSource,
     params: &Params,
     progress: &dyn Progress,
 ) -> Result<(Rectangle, RowsReport)> {
     params.check()?;
     receivers.check()?;
-    if patches.is_empty() {
-        return Err(Error::Empty);
-    }
-    let (m, n) = (receivers.position.len(), patches.len());
-    let [steering, certifying] = [0, 1].map(|k| Sent::new(patches, params.probes, params.seed.wrapping_add(k)));
+    senders.check()?;
+    let (m, n) = (receivers.position.len(), senders.area.len());
+    let [steering, certifying] = [0, 1].map(|k| Sent::new(senders, params.probes, params.seed.wrapping_add(k)));
     let numbers: Vec<u32> = (0..n as u32).collect();
-    let factor: Vec<f32> = weights(patches, &numbers).iter().map(|&w| HEAVIEST / f32::from(w)).collect();
+    let factor: Vec<f32> = weights(senders.area, &numbers).iter().map(|&w| HEAVIEST / f32::from(w)).collect();
     let scan = Scan::new(row, m, &factor, [&steering, &certifying], progress)?;
-    let packer = Packer::new(receivers, patches, row, factor, &scan, &steering, params, progress);
+    let packer = Packer::new(receivers, senders, row, factor, &scan, &steering, params, progress);
     let (chunks, rounds) = packer.search(params.error);
     let error_steered = error(&chunks);
     let count = chunks.len();
@@ -121,7 +120,7 @@ pub fn compress_rows(
     let report = RowsReport {
         receivers: m,
         dark: m - scan.lit,
-        patches: n,
+        senders: n,
         chunks: count,
         error_wanted: params.error,
         error_steered,
@@ -143,9 +142,9 @@ pub fn compress_rows(
 }
 
 /// Bytes that [`compress_rows`] takes besides its inputs, its result included.
-pub fn rows_memory_needed(receivers: usize, patches: usize, params: &Params) -> u64 {
-    let (m, n) = (receivers as u64, patches as u64);
-    let trees = Trees::new(receivers, patches, params.leaf);
+pub fn rows_memory_needed(receivers: usize, senders: usize, params: &Params) -> u64 {
+    let (m, n) = (receivers as u64, senders as u64);
+    let trees = Trees::new(receivers, senders, params.leaf);
     let chunk = (trees.rows.largest(0) as u64) * n;
     let kept = (KEPT as u64 + 1).min(trees.rows.roots as u64);
     // Light of both sets of probes, and of each receiver; then what the blocks of a chunk could be.
@@ -153,7 +152,7 @@ pub fn rows_memory_needed(receivers: usize, patches: usize, params: &Params) -> 
     m * (6 * probes + 256) + n * (2 * probes + 256) + kept * chunk * 24 + (1 << 20)
 }
 
-/// Trees of receivers and of patches.
+/// Trees of receivers and of senders.
 struct Trees {
     rows: Tree,
     columns: Tree,
@@ -161,16 +160,16 @@ struct Trees {
 
 impl Trees {
     /// For receivers that have any weight.
-    fn new(receivers: usize, patches: usize, leaf: usize) -> Trees {
-        let chunk = patches.max(leaf);
+    fn new(receivers: usize, senders: usize, leaf: usize) -> Trees {
+        let chunk = senders.max(leaf);
         // None for none, and chunks of two thirds to one and a half of that.
         let roots = ((receivers + chunk / 2) / chunk).max(usize::from(receivers > 0));
         let fewest = receivers / roots.max(1);
         // Blocks of leaves are about square, and every leaf has a receiver.
-        let side = ((fewest as f64 * patches as f64).sqrt().ceil() as usize).max(1);
-        let most = fewest.min(patches).max(1).ilog2();
+        let side = ((fewest as f64 * senders as f64).sqrt().ceil() as usize).max(1);
+        let most = fewest.min(senders).max(1).ilog2();
         let depth = Tree::new(side, leaf.div_ceil(SMALLER_LEAVES)).depth.min(most);
-        Trees { rows: Tree { n: receivers, roots, depth }, columns: Tree { n: patches, roots: 1, depth } }
+        Trees { rows: Tree { n: receivers, roots, depth }, columns: Tree { n: senders, roots: 1, depth } }
     }
 }
 
@@ -199,8 +198,10 @@ struct Packer<'a> {
     /// Groups of the receiver at each place.
     groups: Vec<u32>,
     column_side: Side,
-    /// By what the weights of the patch at each place are multiplied.
+    /// By what the weights of each sender are multiplied.
     factor: Vec<f32>,
+    /// Where each sender stands.
+    place: Vec<u32>,
     unit: f32,
     scan: &'a Scan,
     sent: &'a Sent,
@@ -212,7 +213,7 @@ impl<'a> Packer<'a> {
     #[expect(clippy::too_many_arguments)]
     fn new(
         receivers: &Receivers,
-        patches: &Patches,
+        senders: &Senders,
         row: &'a RowSource<'a>,
         factor: Vec<f32>,
         scan: &'a Scan,
@@ -220,17 +221,19 @@ impl<'a> Packer<'a> {
         params: &Params,
         progress: &'a dyn Progress,
     ) -> Packer<'a> {
-        let trees = Trees::new(scan.lit, patches.len(), params.leaf);
-        let order_of_patches = order(&patches.position, &patches.normal, &scan.patch_group, trees.columns);
+        let trees = Trees::new(scan.lit, senders.area.len(), params.leaf);
+        let order_of_senders = order(senders.position, senders.normal, &scan.sender_group, trees.columns);
+        let mut place = vec![0; order_of_senders.len()];
+        order_of_senders.iter().zip(0..).for_each(|(&sender, at)| place[sender as usize] = at);
         let (lit, dark) = scan.order.split_at(scan.lit);
         let of_lit = |all: &[[f32; 3]]| -> Vec<[f32; 3]> { lit.iter().map(|&r| all[r as usize]).collect() };
         let groups: Vec<u32> = lit.iter().map(|&r| scan.receiver_group[r as usize]).collect();
         let places = order(&of_lit(receivers.position), &of_lit(receivers.normal), &groups, trees.rows);
         let order_of_receivers = places.iter().map(|&at| lit[at as usize]).chain(dark.iter().copied()).collect();
-        let weights = weights(patches, &order_of_patches);
+        let weights = weights(senders.area, &order_of_senders);
         let side = Side {
             weights: weights.clone(),
-            groups: order_of_patches.iter().map(|&patch| scan.patch_group[patch as usize]).collect(),
+            groups: order_of_senders.iter().map(|&sender| scan.sender_group[sender as usize]).collect(),
         };
         Packer {
             row,
@@ -238,8 +241,9 @@ impl<'a> Packer<'a> {
             rows: Axis::receivers(trees.rows, order_of_receivers),
             groups: places.iter().map(|&at| groups[at as usize]).collect(),
             column_side: side,
-            factor: order_of_patches.iter().map(|&patch| factor[patch as usize]).collect(),
-            columns: Axis { tree: trees.columns, order: order_of_patches, weights },
+            factor,
+            place,
+            columns: Axis { tree: trees.columns, order: order_of_senders, weights },
             unit: unit(scan.largest),
             scan,
             sent,
@@ -282,15 +286,13 @@ impl<'a> Packer<'a> {
         let (places, n) = (self.rows.tree.range(0, chunk), self.factor.len());
         let mut values = vec![0.0; places.len() * n];
         let rows = values.par_chunks_mut(n).zip(&self.rows.order[places.clone()]);
-        rows.for_each_init(
-            || vec![0.0; n],
-            |buffer, (to, &receiver)| {
-                buffer.fill(0.0);
-                (self.row)(receiver as usize, buffer);
-                let of_places = self.columns.order.iter().zip(&self.factor);
-                to.iter_mut().zip(of_places).for_each(|(to, (&patch, factor))| *to = factor * buffer[patch as usize]);
-            },
-        );
+        rows.for_each_init(Vec::new, |row, (to, &receiver)| {
+            read_row(self.row, receiver as usize, row);
+            for &(sender, weight) in row.iter() {
+                let sender = sender as usize;
+                to[self.place[sender] as usize] = self.factor[sender] * weight;
+            }
+        });
         let weights = self.rows.weights[places.clone()].to_vec();
         let rows = Side { weights, groups: self.groups[places].to_vec() };
         let matrix = Matrix { values, unit: self.unit, rows, columns: self.column_side.clone() };
@@ -360,7 +362,7 @@ fn certify(packed: &Rectangle, scan: &Scan, sent: &Sent) -> Errors {
 
 fn furnace(packed: &Rectangle, scan: &Scan) -> f64 {
     let mut y = vec![[0.0; 3]; packed.receivers()];
-    packed.multiply(&vec![[1.0; 3]; packed.patches()], &mut y, &mut packed.workspace());
+    packed.multiply(&vec![[1.0; 3]; packed.senders()], &mut y, &mut packed.workspace());
     let total: f64 = scan.sums.iter().sum();
     let error = y.iter().zip(&scan.sums).map(|(y, sum)| (f64::from(y[0]) - sum).abs()).sum::<f64>();
     if total > 0.0 { error / total } else { 0.0 }

@@ -41,6 +41,17 @@ pub enum Error {
         /// Patches in the list.
         patches: usize,
     },
+    /// Nobody sends.
+    #[error("there are no senders; no rows can be packed (is the scene empty?)")]
+    NoSenders,
+    /// What is known of senders disagrees.
+    #[error(
+        "positions, normals, areas and reflectances of senders are {counts:?}, expected as many of each; take all from one bake"
+    )]
+    SenderCount {
+        /// How many there are of each.
+        counts: [usize; 4],
+    },
     /// Nobody receives.
     #[error("there are no receivers; no rows can be packed (does the mesh have faces?)")]
     NoReceivers,
@@ -55,12 +66,12 @@ pub enum Error {
         rows: usize,
     },
     /// A weight of a receiver is negative or no number.
-    #[error("receiver {receiver} has weight {value} of patch {patch}, expected 0 to 1; gather the receivers again")]
+    #[error("receiver {receiver} has weight {value} of sender {sender}, expected 0 to 1; gather the receivers again")]
     Weight {
         /// Row.
         receiver: usize,
         /// Column.
-        patch: usize,
+        sender: usize,
         /// The weight.
         value: f32,
     },
@@ -72,15 +83,17 @@ pub enum Error {
         /// Sum of its weights.
         sum: f64,
     },
-    /// A row names a patch that there is not.
-    #[error("entry {entry} of the rows names patch {patch}, there are {patches}; take rows and patches from one bake")]
-    Patch {
-        /// Number of the entry in all rows.
-        entry: usize,
-        /// The patch.
-        patch: usize,
-        /// Number of patches.
-        patches: usize,
+    /// A row names a sender that there is not.
+    #[error(
+        "receiver {receiver} has a weight of sender {sender}, there are {senders}; take rows and senders from one bake"
+    )]
+    Sender {
+        /// Row.
+        receiver: usize,
+        /// Column.
+        sender: usize,
+        /// Number of senders.
+        senders: usize,
     },
     /// The packed operator and what is said of it disagree.
     #[error("the stream is of {found}, its certificate of {expected}; pack the operator again")]

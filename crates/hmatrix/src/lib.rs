@@ -57,6 +57,6 @@ pub use kernels::{LANES, Lanes, ROWS};
 pub use params::Params;
 pub use rectangle::Rectangle;
 pub use report::Report;
-pub use rows::{Receivers, RowSource, sparse};
+pub use rows::{Receivers, Row, RowSource, Senders, sparse};
 pub use stage::{one_bounce, read, run};
 pub use trial::SOLVE_SHARE;

@@ -1,8 +1,9 @@
-//! From patches to receivers: an operator with other rows than columns.
+//! From senders to receivers: an operator with other rows than columns.
 
 use crate::{HMatrix, Result, Workspace, hmatrix::dense, stream::Parts};
 
-/// The weights of all patches at all receivers, compressed. Row = receiver, column = patch.
+/// The weights of all senders at all receivers, compressed. Row = receiver, column = sender, each in the order in which
+/// they were given.
 ///
 /// It is stored and multiplied with as a symmetric operator is; see [`HMatrix`].
 pub struct Rectangle(pub(crate) HMatrix);
@@ -28,7 +29,7 @@ impl Rectangle {
     }
 
     /// Number of columns.
-    pub fn patches(&self) -> usize {
+    pub fn senders(&self) -> usize {
         self.0.patches()
     }
 
@@ -37,7 +38,7 @@ impl Rectangle {
         self.0.workspace()
     }
 
-    /// Light of the receivers, `y`, from that of the patches, `x`, each in its order, red, green and blue. Of form factors
+    /// Light of the receivers, `y`, from that of the senders, `x`, each in its order, red, green and blue. Of form factors
     /// it makes irradiance from radiosity. Takes no memory, and gives the same bits on any number of threads.
     ///
     /// # Panics
@@ -47,7 +48,7 @@ impl Rectangle {
         self.0.multiply(x, y, workspace);
     }
 
-    /// The dense matrix in the order of receivers and patches, row-major, from the packed bytes: what judges
+    /// The dense matrix in the order of receivers and senders, row-major, from the packed bytes: what judges
     /// [`Rectangle::multiply`]. Takes 8 bytes an entry.
     ///
     /// # Errors

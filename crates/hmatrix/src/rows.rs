@@ -1,6 +1,7 @@
 //! The rows that are packed to a rectangle, seen once before they are: whether they are rows at all, the light that comes
-//! of them, and which receivers and patches have to do with each other.
+//! of them, and which receivers and senders have to do with each other.
 
+use probes::Surfaces;
 use radfile::{Groups, Patches, Progress, Rows, luma};
 use rayon::prelude::*;
 
@@ -8,11 +9,14 @@ use crate::{Error, Result, compress::numbers_of_groups};
 
 /// What a row may sum to, rounding included.
 const MOST: f64 = 1.001;
-/// Rows that are looked at before their patches are joined.
+/// Rows that are looked at before their senders are joined.
 const BATCH: usize = 1024;
 
-/// Writes the row of a receiver, a weight a patch, into zeros. Called from any thread, several times for each receiver.
-pub type RowSource<'a> = dyn Fn(usize, &mut [f32]) + Sync + 'a;
+/// Senders of a receiver and their weights, in any order; those of a sender that is named again add up.
+pub type Row = Vec<(u32, f32)>;
+
+/// Appends the row of a receiver to an empty one. Called from any thread, several times for each receiver.
+pub type RowSource<'a> = dyn Fn(usize, &mut Row) + Sync + 'a;
 
 /// Where receivers are and where they face.
 #[derive(Clone, Copy)]
@@ -21,6 +25,38 @@ pub struct Receivers<'a> {
     pub position: &'a [[f32; 3]],
     /// Unit vectors.
     pub normal: &'a [[f32; 3]],
+}
+
+/// What light comes from, patches or pieces of them; the columns of the matrix, in this order. Every array has a number a
+/// sender.
+#[derive(Clone, Copy)]
+pub struct Senders<'a> {
+    /// A point on each, metres.
+    pub position: &'a [[f32; 3]],
+    /// Unit vectors.
+    pub normal: &'a [[f32; 3]],
+    /// m².
+    pub area: &'a [f32],
+    /// Diffuse reflectance, linear RGB: how much of a probe light they send.
+    pub reflectance: &'a [[f32; 3]],
+}
+
+impl<'a> From<&'a Patches> for Senders<'a> {
+    fn from(patches: &'a Patches) -> Senders<'a> {
+        let Patches { position, normal, area, reflectance, .. } = patches;
+        Senders { position, normal, area, reflectance }
+    }
+}
+
+impl Senders<'_> {
+    pub(crate) fn check(&self) -> Result<()> {
+        let counts = [self.position.len(), self.normal.len(), self.area.len(), self.reflectance.len()];
+        match counts[0] {
+            _ if counts != [counts[0]; 4] => Err(Error::SenderCount { counts }),
+            0 => Err(Error::NoSenders),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl Receivers<'_> {
@@ -38,35 +74,46 @@ impl Receivers<'_> {
 ///
 /// # Errors
 ///
-/// [`Error::ReceiverCount`] if there is not a row a receiver, [`Error::Patch`].
-pub fn sparse<'a>(
-    rows: &'a Rows,
-    receivers: &Receivers,
-    patches: &Patches,
-) -> Result<impl Fn(usize, &mut [f32]) + Sync + use<'a>> {
+/// [`Error::ReceiverCount`] if there is not a row a receiver.
+pub fn sparse<'a>(rows: &'a Rows, receivers: &Receivers) -> Result<impl Fn(usize, &mut Row) + Sync + use<'a>> {
     let (positions, normals) = (receivers.position.len(), receivers.normal.len());
     let entries = rows.patch.len().min(rows.weight.len());
     let increasing = rows.row_start.is_sorted() && rows.row_start.last().is_none_or(|&end| end as usize <= entries);
     if rows.len() != positions || !increasing {
         return Err(Error::ReceiverCount { positions, normals, rows: rows.len() });
     }
-    let patches = patches.len();
-    if let Some(entry) = rows.patch.iter().position(|&patch| patch as usize >= patches) {
-        return Err(Error::Patch { entry, patch: rows.patch[entry] as usize, patches });
-    }
-    Ok(|receiver: usize, out: &mut [f32]| rows.row(receiver).for_each(|(patch, weight)| out[patch] += weight))
+    Ok(|receiver: usize, out: &mut Row| {
+        out.extend(rows.row(receiver).map(|(sender, weight)| (sender as u32, weight)));
+    })
 }
 
-/// Light that patches send: luma of ρ H⁰, patches × lights.
+/// The row of a receiver by increasing sender, each once, into `out`.
+pub fn read_row(row: &RowSource, receiver: usize, out: &mut Row) {
+    out.clear();
+    row(receiver, out);
+    if !out.is_sorted_by(|a, b| a.0 < b.0) {
+        out.sort_by_key(|entry| entry.0);
+        out.dedup_by(|again, first| {
+            let same = again.0 == first.0;
+            if same {
+                first.1 += again.1;
+            }
+            same
+        });
+    }
+}
+
+/// Light that senders send: luma of ρ H⁰, senders × lights.
 pub struct Sent {
     pub count: usize,
     pub values: Vec<f32>,
 }
 
 impl Sent {
-    pub fn new(patches: &Patches, lights: u32, seed: u64) -> Sent {
-        let lights = probes::probe_lights(patches, lights, seed);
-        let values = patches.reflectance.iter().enumerate();
+    pub fn new(senders: &Senders, lights: u32, seed: u64) -> Sent {
+        let Senders { position, normal, area, reflectance } = *senders;
+        let lights = probes::probe_lights(Surfaces { position, normal, area }, lights, seed);
+        let values = reflectance.iter().enumerate();
         let values = values.flat_map(|(i, rho)| lights.iter().map(move |light| luma(*rho) * light[i])).collect();
         Sent { count: lights.len(), values }
     }
@@ -78,11 +125,11 @@ pub struct Scan {
     pub order: Vec<u32>,
     /// Number of receivers with a weight.
     pub lit: usize,
-    /// The group of each patch; groups exchange nothing.
-    pub patch_group: Vec<u32>,
+    /// The group of each sender; groups exchange nothing.
+    pub sender_group: Vec<u32>,
     /// The group of each receiver.
     pub receiver_group: Vec<u32>,
-    /// The largest weight times the factor of its patch.
+    /// The largest weight times the factor of its sender.
     pub largest: f32,
     /// Sum of each row.
     pub sums: Vec<f64>,
@@ -92,7 +139,7 @@ pub struct Scan {
 
 /// One row.
 struct Seen {
-    patches: Vec<u32>,
+    senders: Vec<u32>,
     largest: f32,
     sum: f64,
     received: [Vec<f64>; 2],
@@ -103,7 +150,7 @@ impl Scan {
     ///
     /// # Errors
     ///
-    /// [`Error::Weight`], [`Error::RowSum`].
+    /// [`Error::Sender`], [`Error::Weight`], [`Error::RowSum`].
     pub fn new(
         row: &RowSource,
         receivers: usize,
@@ -118,51 +165,57 @@ impl Scan {
         let (mut largest, mut sums, mut received) = (0.0f32, Vec::new(), [Vec::new(), Vec::new()]);
         for start in (0..receivers).step_by(BATCH) {
             let batch = start..receivers.min(start + BATCH);
-            let look = |buffer: &mut Vec<f32>, receiver: usize| {
-                buffer.fill(0.0);
-                row(receiver, buffer);
+            let look = |buffer: &mut Row, receiver: usize| {
+                read_row(row, receiver, buffer);
                 progress.advance(1);
                 look(receiver, buffer, factor, sent)
             };
-            let seen: Vec<Result<Seen>> = batch.clone().into_par_iter().map_init(|| vec![0.0; n], look).collect();
+            let seen: Vec<Result<Seen>> = batch.clone().into_par_iter().map_init(Row::new, look).collect();
             for (receiver, seen) in batch.zip(seen) {
                 let seen = seen?;
-                first[receiver] = seen.patches.first().copied();
-                seen.patches.windows(2).for_each(|pair| groups.join(pair[0], pair[1]));
-                seen.patches.iter().for_each(|&patch| is_seen[patch as usize] = true);
+                first[receiver] = seen.senders.first().copied();
+                seen.senders.windows(2).for_each(|pair| groups.join(pair[0], pair[1]));
+                seen.senders.iter().for_each(|&sender| is_seen[sender as usize] = true);
                 largest = largest.max(seen.largest);
                 sums.push(seen.sum);
                 received.iter_mut().zip(seen.received).for_each(|(all, own)| all.extend(own));
             }
         }
         // What nobody sees is one group, too.
-        let unseen: Vec<u32> = (0..n as u32).filter(|&patch| !is_seen[patch as usize]).collect();
+        let unseen: Vec<u32> = (0..n as u32).filter(|&sender| !is_seen[sender as usize]).collect();
         unseen.windows(2).for_each(|pair| groups.join(pair[0], pair[1]));
-        let patch_group = numbers_of_groups(groups.lists(), n);
+        let sender_group = numbers_of_groups(groups.lists(), n);
         let (lit, dark): (Vec<u32>, Vec<u32>) = (0..receivers as u32).partition(|&r| first[r as usize].is_some());
-        let receiver_group = first.iter().map(|patch| patch.map_or(0, |patch| patch_group[patch as usize])).collect();
-        Ok(Scan { lit: lit.len(), order: [lit, dark].concat(), patch_group, receiver_group, largest, sums, received })
+        let receiver_group =
+            first.iter().map(|sender| sender.map_or(0, |sender| sender_group[sender as usize])).collect();
+        Ok(Scan { lit: lit.len(), order: [lit, dark].concat(), sender_group, receiver_group, largest, sums, received })
     }
 }
 
-fn look(receiver: usize, row: &[f32], factor: &[f32], sent: [&Sent; 2]) -> Result<Seen> {
-    if let Some(patch) = row.iter().position(|w| !(w.is_finite() && *w >= 0.0)) {
-        return Err(Error::Weight { receiver, patch, value: row[patch] });
+fn look(receiver: usize, row: &[(u32, f32)], factor: &[f32], sent: [&Sent; 2]) -> Result<Seen> {
+    let senders = factor.len();
+    for &(sender, value) in row {
+        let sender = sender as usize;
+        if sender >= senders {
+            return Err(Error::Sender { receiver, sender, senders });
+        }
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(Error::Weight { receiver, sender, value });
+        }
     }
-    let sum = row.iter().map(|&w| f64::from(w)).sum();
+    let sum = row.iter().map(|entry| f64::from(entry.1)).sum();
     if sum > MOST {
         return Err(Error::RowSum { receiver, sum });
     }
-    let patches: Vec<u32> = (0..row.len() as u32).filter(|&patch| row[patch as usize] > 0.0).collect();
-    let largest = row.iter().zip(factor).map(|(w, f)| w * f).fold(0.0, f32::max);
+    let largest = row.iter().map(|&(sender, weight)| weight * factor[sender as usize]).fold(0.0, f32::max);
     let received = sent.map(|sent| {
         let mut sums = vec![0.0; sent.count];
-        for &patch in &patches {
-            let weight = f64::from(row[patch as usize]);
-            let light = &sent.values[patch as usize * sent.count..][..sent.count];
-            sums.iter_mut().zip(light).for_each(|(sum, light)| *sum += weight * f64::from(*light));
+        for &(sender, weight) in row {
+            let light = &sent.values[sender as usize * sent.count..][..sent.count];
+            sums.iter_mut().zip(light).for_each(|(sum, light)| *sum += f64::from(weight) * f64::from(*light));
         }
         sums
     });
-    Ok(Seen { patches, largest, sum, received })
+    let senders = row.iter().filter(|entry| entry.1 > 0.0).map(|entry| entry.0).collect();
+    Ok(Seen { senders, largest, sum, received })
 }

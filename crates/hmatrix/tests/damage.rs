@@ -4,7 +4,7 @@
 mod common;
 
 use common::room;
-use hmatrix::{Error, HMatrix, Params, Receivers, Rectangle, compress, compress_rows};
+use hmatrix::{Error, HMatrix, Params, Receivers, Rectangle, Row, compress, compress_rows};
 use radfile::Quiet;
 
 /// A symmetric operator and the rectangle of its rows, of which the last receivers get nothing.
@@ -14,11 +14,12 @@ fn streams() -> [Vec<u8>; 2] {
     let symmetric = compress(&room.operator, &room.patches, &params, &Quiet).expect("a room").0;
     let n = room.patches.len();
     let receivers = Receivers { position: &room.patches.position, normal: &room.patches.normal };
-    let row = |i: usize, out: &mut [f32]| {
+    let row = |i: usize, out: &mut Row| {
         let row = room.operator.channel(0)[i * n..][..n].iter().map(|k| k / 30.0);
-        out.iter_mut().zip(row).for_each(|(out, k)| *out = if i < n - 9 { k } else { 0.0 });
+        out.extend((0..).zip(row).filter(|_| i < n - 9));
     };
-    let rectangle = compress_rows(&receivers, &room.patches, &row, &params, &Quiet).expect("rows of a room").0;
+    let rectangle =
+        compress_rows(&receivers, &(&room.patches).into(), &row, &params, &Quiet).expect("rows of a room").0;
     [symmetric.to_bytes().to_vec(), rectangle.to_bytes().to_vec()]
 }
 
@@ -31,7 +32,7 @@ fn is_read(bytes: &[u8]) -> bool {
         y
     } else if let Ok(rectangle) = Rectangle::from_bytes(bytes) {
         let mut y = light(rectangle.receivers());
-        rectangle.multiply(&light(rectangle.patches()), &mut y, &mut rectangle.workspace());
+        rectangle.multiply(&light(rectangle.senders()), &mut y, &mut rectangle.workspace());
         y
     } else {
         return false;

@@ -4,7 +4,9 @@
 mod common;
 
 use common::some_patches;
-use hmatrix::{Error, Params, Receivers, Rectangle, RowsReport, compress_rows, rows_memory_needed, sparse};
+use hmatrix::{
+    Error, Params, Receivers, Rectangle, Row, RowsReport, Senders, compress_rows, rows_memory_needed, sparse,
+};
 use radfile::{Patches, Quiet, Rows};
 
 /// Receivers on the walls of a room, and what they see of its patches.
@@ -47,8 +49,8 @@ impl Room {
     }
 
     fn pack(&self, params: &Params) -> hmatrix::Result<(Rectangle, RowsReport)> {
-        let row = sparse(&self.rows, &self.receivers(), &self.patches)?;
-        compress_rows(&self.receivers(), &self.patches, &row, params, &Quiet)
+        let row = sparse(&self.rows, &self.receivers())?;
+        compress_rows(&self.receivers(), &(&self.patches).into(), &row, params, &Quiet)
     }
 
     /// Its first receivers and patches; weights of other patches are lost.
@@ -80,7 +82,7 @@ fn received(packed: &Rectangle, x: &[[f32; 3]]) -> Vec<[f32; 3]> {
 
 /// The product and what is read again, against the definition in f64.
 fn assert_product(packed: &Rectangle) {
-    let (m, n) = (packed.receivers(), packed.patches());
+    let (m, n) = (packed.receivers(), packed.senders());
     let x = light(n);
     let y = received(packed, &x);
     let dense = packed.decode().expect("own bytes");
@@ -194,6 +196,21 @@ fn few_receivers_and_few_patches_are_packed_as_well() {
     }
 }
 
+/// Half of every weight twice, the last sender first: the same bytes.
+#[test]
+fn a_row_may_name_its_senders_in_any_order_and_again() {
+    let room = room(5, 9);
+    let (packed, report) = room.pack(&Params::error(0.01)).expect("a room");
+    let twice = |receiver: usize, out: &mut Row| {
+        out.extend(room.rows.row(receiver).map(|(sender, weight)| (sender as u32, weight / 2.0)));
+        out.extend_from_within(..);
+        out.reverse();
+    };
+    let again = compress_rows(&room.receivers(), &(&room.patches).into(), &twice, &Params::error(0.01), &Quiet)
+        .expect("a room");
+    assert!(again.0.to_bytes() == packed.to_bytes() && again.1 == report);
+}
+
 #[test]
 fn nothing_stays_nothing() {
     let mut dark = room(4, 5);
@@ -221,7 +238,7 @@ fn what_is_no_row_is_refused() {
     let error = refused(&|room| room.rows.weight[room.rows.row_start[9] as usize] += 0.1);
     assert!(matches!(error, Error::RowSum { receiver: 9, .. }), "{error}");
     let error = refused(&|room| room.rows.patch[5] = 54);
-    assert!(matches!(error, Error::Patch { entry: 5, patch: 54, patches: 54 }), "{error}");
+    assert!(matches!(error, Error::Sender { receiver: 0, sender: 54, senders: 54 }), "{error}");
     assert!(matches!(refused(&|room| room.rows.row_start[1] = u32::MAX), Error::ReceiverCount { .. }));
     assert!(matches!(refused(&|room| room.rows.row_start.truncate(5)), Error::ReceiverCount { rows: 4, .. }));
     assert!(matches!(refused(&|room| room.normal.truncate(5)), Error::ReceiverCount { normals: 5, .. }));
@@ -230,9 +247,13 @@ fn what_is_no_row_is_refused() {
             (Vec::new(), Vec::new(), Rows { row_start: vec![0], ..Rows::default() });
     });
     assert!(matches!(none, Error::NoReceivers), "{none}");
-    let no_patches =
-        compress_rows(&room(2, 2).receivers(), &Patches::default(), &|_, _| (), &Params::default(), &Quiet);
-    assert!(matches!(no_patches.map(|_| ()), Err(Error::Empty)));
+    let of =
+        |senders: &Senders| compress_rows(&room(2, 2).receivers(), senders, &|_, _| (), &Params::default(), &Quiet);
+    let none = Patches::default();
+    assert!(matches!(of(&(&none).into()).map(|_| ()), Err(Error::NoSenders)));
+    let patches = some_patches(24);
+    let uneven = Senders { area: &patches.area[..5], ..(&patches).into() };
+    assert!(matches!(of(&uneven).map(|_| ()), Err(Error::SenderCount { counts: [24, 24, 5, 24] })));
     let error = room(2, 2).pack(&Params::error(f64::NAN)).map(|_| ()).expect_err("no error");
     assert!(matches!(error, Error::Option { option: "error", .. }), "{error}");
 }

@@ -8,4 +8,4 @@ mod errors;
 mod lights;
 
 pub use errors::{Errors, Row, sent_light, summarise};
-pub use lights::probe_lights;
+pub use lights::{Surfaces, probe_lights};

@@ -9,24 +9,42 @@ use radfile::Patches;
 
 type Vector = [f32; 3];
 
+/// What is lit: patches, or pieces of them. Every array has a number a piece.
+#[derive(Clone, Copy, Debug)]
+pub struct Surfaces<'a> {
+    /// A point on each, metres.
+    pub position: &'a [[f32; 3]],
+    /// Unit vectors.
+    pub normal: &'a [[f32; 3]],
+    /// m².
+    pub area: &'a [f32],
+}
+
+impl<'a> From<&'a Patches> for Surfaces<'a> {
+    fn from(patches: &'a Patches) -> Surfaces<'a> {
+        Surfaces { position: &patches.position, normal: &patches.normal, area: &patches.area }
+    }
+}
+
 /// Direct irradiance of every patch under `count` lights, W/m²; the same for the same seed.
 ///
 /// The first is uniform, every fifth after it shines from one direction, the others are points at
 /// 2 to 25 % of the scene's diagonal above a random patch.
-pub fn probe_lights(patches: &Patches, count: u32, seed: u64) -> Vec<Vec<f32>> {
-    let mut random = Random(seed);
+pub fn probe_lights<'a>(patches: impl Into<Surfaces<'a>>, count: u32, seed: u64) -> Vec<Vec<f32>> {
+    let (patches, mut random) = (patches.into(), Random(seed));
+    let n = patches.area.len();
     (0..count)
         .map(|light| match light {
-            0 => vec![1.0; patches.len()],
+            0 => vec![1.0; n],
             _ if light % 5 == 0 => {
                 let towards = random.direction();
                 patches.normal.iter().map(|n| dot(*n, towards).max(0.0)).collect()
             }
             _ => {
-                let patch = (random.unit() * patches.len() as f32) as usize % patches.len();
-                let height = (0.02 + 0.23 * random.unit()) * diagonal(&patches.position);
+                let patch = (random.unit() * n as f32) as usize % n;
+                let height = (0.02 + 0.23 * random.unit()) * diagonal(patches.position);
                 let lamp = add(patches.position[patch], patches.normal[patch], height);
-                (0..patches.len()).map(|i| point_light(patches, i, lamp)).collect()
+                (0..n).map(|i| point_light(&patches, i, lamp)).collect()
             }
         })
         .collect()
@@ -34,7 +52,7 @@ pub fn probe_lights(patches: &Patches, count: u32, seed: u64) -> Vec<Vec<f32>> {
 
 /// Irradiance of a patch from a lamp of 1 W/sr. A lamp nearer than the patch is wide does not make
 /// it infinitely bright, hence the area in the square of the distance.
-fn point_light(patches: &Patches, patch: usize, lamp: Vector) -> f32 {
+fn point_light(patches: &Surfaces, patch: usize, lamp: Vector) -> f32 {
     let away = add(lamp, patches.position[patch], -1.0);
     let square = dot(away, away) + patches.area[patch] / std::f32::consts::PI;
     (dot(patches.normal[patch], away) / (square * square.sqrt())).max(0.0)
