@@ -182,6 +182,23 @@ fn exit_codes_tell_refusal_usage_and_io_apart() {
 }
 
 #[test]
+fn options_of_a_bake_that_clash_are_refused_before_anything_is_computed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = text(&folder.path().join("out.rad"));
+    let clashes: [(&[&str], [&str; 2]); 3] = [
+        (&["--kernel", "one-bounce", "--bounces", "3"], ["--kernel", "--bounces"]),
+        (&["--kernel", "one-bounce", "--operator", "textures"], ["--kernel", "--operator"]),
+        (&["--format", "paper"], ["--format", "--operator textures"]),
+    ];
+    for (options, named) in clashes {
+        // Too little memory for any stage: a bake that started would say that instead.
+        let args = ["bake", &asset("cornell/cornell.obj"), "-o", &out, "--memory-limit", "1KiB", "-q"];
+        allbounce(args.iter().chain(options)).refused(&named);
+    }
+    assert!(std::fs::read_dir(folder.path()).expect("a folder").next().is_none(), "nothing is left behind");
+}
+
+#[test]
 fn make_bake_reruns_only_what_depends_on_a_change() {
     let folder = tempfile::tempdir().expect("a folder");
     let dir = text(folder.path());

@@ -1,6 +1,6 @@
 //! The stage on containers.
 
-use radfile::{Builder, Container, Operator, Patches, Progress, Record, Sink, Step, is_packed_operator};
+use radfile::{Builder, Container, Operator, Patches, Progress, Record, Sink, Step, outlasts_packing};
 
 use crate::{Params, Report, Result, pack};
 
@@ -16,9 +16,7 @@ pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progre
     let operator = Operator::read(input)?;
     let patches = Patches::read(input)?;
     let (packed, report) = pack(&operator, &patches, params, progress)?;
-    let dense = |name: &str| name.starts_with(Operator::PREFIX) || name == "formfactor.values";
-    let mut builder =
-        Builder::from_input(input, |s| !is_packed_operator(&s.name) && (params.keep_dense || !dense(&s.name)));
+    let mut builder = Builder::from_input(input, |s| outlasts_packing(&s.name, params.keep_dense));
     packed.write(&mut builder);
     builder.provenance(Some(input), step)?;
     sink(&builder)?;

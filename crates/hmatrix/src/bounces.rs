@@ -142,4 +142,39 @@ mod tests {
         let products = solve.all_bounces(gains, &[[0.9; 3]; 2], 1e-6, &[[1.0; 3]; 2], &mut y);
         assert!(products < 10 && y.as_flattened().iter().all(|v| v.is_finite()), "{products}: {y:?}");
     }
+
+    /// A ring of plates, as a coarsely packed W may be: nearly 1.05 of what is sent comes back. Green surfaces make
+    /// it gain, red and blue ones do not, and take more products than green.
+    #[test]
+    fn a_colour_that_gains_leaves_the_others_right() {
+        const N: usize = 24;
+        let gain = |i: usize| 0.5 + 0.025 * (i as f32 / N as f32);
+        let ring = |x: &[[f32; 3]], y: &mut [[f32; 3]]| {
+            fill(y, |i| {
+                let (before, after) = ((i + N - 1) % N, (i + 1) % N);
+                add([0, 1, 2].map(|c| gain(before) * x[before][c]), [gain(i); 3], x[after])
+            });
+        };
+        let rho = [[0.6, 0.99, 0.9]; N];
+        let x: Vec<[f32; 3]> = (0..N).map(|i| [(i % 5) as f32, 1.0, (i % 3) as f32]).collect();
+        let mut y = vec![[0.0; 3]; N];
+        Solve::new(N).all_bounces(ring, &rho, 1e-6, &x, &mut y);
+        assert!(y.as_flattened().iter().all(|v| v.is_finite()), "{y:?}");
+        for c in [0, 2] {
+            let (mut bounce, mut expected) = (vec![0.0; N], vec![0.0; N]);
+            let mut light: Vec<f64> = x.iter().map(|x| x[c].into()).collect();
+            for _ in 0..1000 {
+                for i in 0..N {
+                    let (before, after) = ((i + N - 1) % N, (i + 1) % N);
+                    bounce[i] = f64::from(gain(before)) * light[before] + f64::from(gain(i)) * light[after];
+                    expected[i] += bounce[i];
+                }
+                (0..N).for_each(|i| light[i] = f64::from(rho[i][c]) * bounce[i]);
+            }
+            for i in 0..N {
+                let error = f64::from(y[i][c]) / expected[i] - 1.0;
+                assert!(error.abs() < 1e-5, "colour {c}, plate {i}: {} for {}", y[i][c], expected[i]);
+            }
+        }
+    }
 }

@@ -2,7 +2,7 @@
 
 use radfile::{
     Builder, Certificate, Container, FormFactors, HierarchicalOperator, Kernel, Operator, Patches, Progress, Record,
-    Sink, Step, is_packed_operator,
+    Sink, Step, outlasts_packing,
 };
 use rayon::prelude::*;
 
@@ -36,9 +36,7 @@ pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progre
         },
         blocks: matrix.to_bytes().into(),
     };
-    let dense = |name: &str| name.starts_with(Operator::PREFIX) || name == "formfactor.values";
-    let mut builder =
-        Builder::from_input(input, |s| !is_packed_operator(&s.name) && (params.keep_dense || !dense(&s.name)));
+    let mut builder = Builder::from_input(input, |s| outlasts_packing(&s.name, params.keep_dense));
     packed.write(&mut builder);
     builder.provenance(Some(input), step)?;
     sink(&builder)?;

@@ -84,5 +84,5 @@ pub use patches::{Patches, Piece};
 pub use permutation::Permutation;
 pub use progress::{Progress, Quiet};
 pub use provenance::{Provenance, Step, digest};
-pub use record::{Record, SECTIONS, is_packed_operator};
+pub use record::{Record, SECTIONS, is_packed_operator, outlasts_packing};
 pub use transfer::{FineMesh, NO_RECEIVER, PointRows, Rows, Transfer};

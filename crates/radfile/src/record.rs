@@ -1,6 +1,6 @@
 //! The list of sections that this version knows, and what a typed record is.
 
-use crate::{Builder, Container, Error, HierarchicalOperator, PackedOperator, Result};
+use crate::{Builder, Container, Error, HierarchicalOperator, Operator, PackedOperator, Result};
 
 /// Every section of this version and the stage that writes it.
 /// The same list, with element types, shapes and meaning, stands in `formats/rad.md` §4; a test compares the two.
@@ -87,6 +87,13 @@ pub fn minor_of(section: &str) -> u16 {
 /// Whether a section holds the operator packed in some way: whoever packs it anew, or changes what was packed, drops it.
 pub fn is_packed_operator(section: &str) -> bool {
     [PackedOperator::PREFIX, HierarchicalOperator::PREFIX].iter().any(|prefix| section.starts_with(prefix))
+}
+
+/// Whether a section is handed on by who packs the operator: what was packed before is not, and the dense operator and the
+/// form factors only if `keep_dense`.
+pub fn outlasts_packing(section: &str, keep_dense: bool) -> bool {
+    let dense = section.starts_with(Operator::PREFIX) || section == "formfactor.values";
+    !is_packed_operator(section) && (keep_dense || !dense)
 }
 
 /// The stage that writes a section, if this version knows it.

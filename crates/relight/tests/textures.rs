@@ -46,14 +46,16 @@ fn half(n: u32, grey: bool, map: ValueMap) -> PackedOperator<'static> {
     let mut numbers = Numbers(u64::from(n));
     let component: Vec<u16> = (0..n).map(|i| [0, 0, 1, NO_COMPONENT][i as usize % 4]).collect();
     let count = |k: u16| component.iter().filter(|c| **c == k).count();
-    let rank = [19, 3];
+    // A component has no more columns than members.
+    let rank = [19.min(count(0)), 3.min(count(1))];
     let codes = rank[0] * count(0) + rank[1] * count(1);
+    let pairs: usize = rank.iter().map(|r| r * (r + 1) / 2).sum();
     let colour = Colour {
         axes: vec![[0.7, -0.3, 0.1], [-0.1, 0.0, 0.9]],
         rank: rank.map(|r| r as u32).to_vec(),
         scale: (0..n).map(|_| numbers.unit()).collect(),
         codes: (0..codes).map(|_| numbers.bits() as u8).collect(),
-        core: (0..2 * (190 + 6)).map(|_| 0.5 * (numbers.unit() - 0.5)).collect(),
+        core: (0..2 * pairs).map(|_| 0.5 * (numbers.unit() - 0.5)).collect(),
         component: component.into(),
     };
     let mut start = vec![0];
