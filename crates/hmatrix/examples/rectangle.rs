@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let sparse_ms = [one.install(|| sparse_ms(&rows, patches.len())), sparse_ms(&rows, patches.len())];
     println!(
         "receivers,dark,patches,rays,entries_a_row,error_target,bytes,bytes_per_receiver,bytes_per_entry,sparse8,sparse4,\
-         structure_share,tile_share,mean_share,multiplications,l2,l2_max,p99,vis99,energy_bias,furnace,chunks,rounds,\
+         structure_share,tile_share,mean_share,multiplications,l2,l2_max,p99,vis99,energy_bias,furnace,chunks,passes,\
          gather_s,pack_s,cpu1_ms,cpu_all_ms,sparse1_ms,sparse_all_ms"
     );
     for error in targets {
@@ -75,7 +75,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             r.energy_bias,
             r.furnace,
             r.chunks,
-            r.rounds,
+            r.passes,
             one.install(|| product_ms(&packed)),
             product_ms(&packed),
             sparse_ms[0],

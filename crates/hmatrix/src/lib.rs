@@ -18,13 +18,16 @@
 //! - `bounces.rs`: all bounces from the operator of one. `stage.rs`: from container to container.
 //! - `pairs.rs`: the blocks of a matrix, symmetric or not.
 //! - `compress.rs`: all of it until the error is what was asked for (`search.rs`); `trial.rs`: the light that decides.
-//! - `rows.rs`, `compress_rows.rs`, `rectangle.rs`: the same for the rows of receivers that are no patches.
+//! - `rows.rs`, `compress_rows.rs`, `rectangle.rs`: the same for the rows of receivers that are no patches, which are sparse;
+//!   `packer.rs`: their parts and the price of a byte; `choose.rs`: what they are cut into at a price; `residual.rs`: triples
+//!   of sparse blocks.
 //!
 //! Start at [`compress`] and [`HMatrix::multiply`], for receivers at [`compress_rows`] and [`Rectangle::multiply`].
 
 mod bits;
 mod block;
 mod bounces;
+mod choose;
 mod cluster;
 mod colour;
 mod compress;
@@ -32,11 +35,13 @@ mod compress_rows;
 mod error;
 mod hmatrix;
 mod kernels;
+mod packer;
 mod pairs;
 mod params;
 mod plan;
 mod rectangle;
 mod report;
+mod residual;
 mod rows;
 mod search;
 mod sketch;

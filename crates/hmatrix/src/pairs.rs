@@ -44,12 +44,6 @@ impl Pairs {
         Pairs { rows, columns, symmetric, first }
     }
 
-    /// The blocks of the rows below one root, counted from there.
-    pub fn chunk(self, root: usize) -> Pairs {
-        let rows = Tree { n: self.rows.range(0, root).len(), roots: 1, ..self.rows };
-        Pairs { rows, ..self }
-    }
-
     /// Where the rows of a block are, and where its columns are.
     pub fn ranges(self, id: Id) -> [Range<usize>; 2] {
         [self.rows.range(id.level, id.a), self.columns.range(id.level, id.b)]
@@ -123,19 +117,6 @@ mod tests {
                 }
                 assert!(times.iter().all(|t| *t == 1), "level {level} of {pairs:?}");
                 ids = ids.into_iter().flat_map(|id| pairs.children(id)).collect();
-            }
-        }
-    }
-
-    #[test]
-    fn chunks_are_the_blocks_of_their_rows() {
-        let all = Pairs::rectangular(Tree { n: 70, roots: 3, depth: 2 }, Tree { n: 53, roots: 1, depth: 2 });
-        for (root, rows) in [(0, 24), (1, 23), (2, 23)] {
-            let chunk = all.chunk(root);
-            assert_eq!((chunk.rows.n, chunk.first), (rows, all.first));
-            for id in chunk.of_level(2) {
-                let same = Id { a: id.a + (root << id.level), ..id };
-                assert_eq!(chunk.shape(id), all.shape(same));
             }
         }
     }

@@ -134,11 +134,6 @@ impl Decisions {
     pub fn error(&self) -> f64 {
         self.0[0].iter().map(|d| d.error).sum()
     }
-
-    /// Bytes of all blocks.
-    pub fn bytes(&self) -> f64 {
-        self.0[0].iter().map(|d| d.bytes).sum()
-    }
 }
 
 /// Candidates of every block.

@@ -131,6 +131,8 @@ pub struct Scan {
     pub receiver_group: Vec<u32>,
     /// The largest weight times the factor of its sender.
     pub largest: f32,
+    /// Sum of squares of weights times the factors of their senders.
+    pub energy: f64,
     /// Sum of each row.
     pub sums: Vec<f64>,
     /// What each receiver gets of the lights: receivers × lights, for every set of lights.
@@ -141,6 +143,7 @@ pub struct Scan {
 struct Seen {
     senders: Vec<u32>,
     largest: f32,
+    energy: f64,
     sum: f64,
     received: [Vec<f64>; 2],
 }
@@ -162,7 +165,7 @@ impl Scan {
         let n = factor.len();
         let (mut groups, mut first) = (Groups::new(n), vec![None; receivers]);
         let mut is_seen = vec![false; n];
-        let (mut largest, mut sums, mut received) = (0.0f32, Vec::new(), [Vec::new(), Vec::new()]);
+        let (mut largest, mut energy, mut sums, mut received) = (0.0f32, 0.0, Vec::new(), [Vec::new(), Vec::new()]);
         for start in (0..receivers).step_by(BATCH) {
             let batch = start..receivers.min(start + BATCH);
             let look = |buffer: &mut Row, receiver: usize| {
@@ -177,6 +180,7 @@ impl Scan {
                 seen.senders.windows(2).for_each(|pair| groups.join(pair[0], pair[1]));
                 seen.senders.iter().for_each(|&sender| is_seen[sender as usize] = true);
                 largest = largest.max(seen.largest);
+                energy += seen.energy;
                 sums.push(seen.sum);
                 received.iter_mut().zip(seen.received).for_each(|(all, own)| all.extend(own));
             }
@@ -188,7 +192,16 @@ impl Scan {
         let (lit, dark): (Vec<u32>, Vec<u32>) = (0..receivers as u32).partition(|&r| first[r as usize].is_some());
         let receiver_group =
             first.iter().map(|sender| sender.map_or(0, |sender| sender_group[sender as usize])).collect();
-        Ok(Scan { lit: lit.len(), order: [lit, dark].concat(), sender_group, receiver_group, largest, sums, received })
+        Ok(Scan {
+            lit: lit.len(),
+            order: [lit, dark].concat(),
+            sender_group,
+            receiver_group,
+            largest,
+            energy,
+            sums,
+            received,
+        })
     }
 }
 
@@ -207,7 +220,9 @@ fn look(receiver: usize, row: &[(u32, f32)], factor: &[f32], sent: [&Sent; 2]) -
     if sum > MOST {
         return Err(Error::RowSum { receiver, sum });
     }
-    let largest = row.iter().map(|&(sender, weight)| weight * factor[sender as usize]).fold(0.0, f32::max);
+    let values = row.iter().map(|&(sender, weight)| weight * factor[sender as usize]);
+    let energy = values.clone().map(|v| f64::from(v).powi(2)).sum();
+    let largest = values.fold(0.0, f32::max);
     let received = sent.map(|sent| {
         let mut sums = vec![0.0; sent.count];
         for &(sender, weight) in row {
@@ -217,5 +232,5 @@ fn look(receiver: usize, row: &[(u32, f32)], factor: &[f32], sent: [&Sent; 2]) -
         sums
     });
     let senders = row.iter().filter(|entry| entry.1 > 0.0).map(|entry| entry.0).collect();
-    Ok(Seen { senders, largest, sum, received })
+    Ok(Seen { senders, largest, energy, sum, received })
 }

@@ -34,7 +34,12 @@ impl Stretch {
 
     /// The same without stretching: of clusters whose patches are not all of one group, which have no even light.
     pub fn none(weights: &[i8]) -> Stretch {
-        Stretch { g: 0.0, ..Stretch::new(weights) }
+        Stretch::new(weights).flat()
+    }
+
+    /// The same without stretching.
+    pub fn flat(&self) -> Stretch {
+        Stretch { along: self.along.clone(), g: 0.0, ..*self }
     }
 
     /// By how much w grows.

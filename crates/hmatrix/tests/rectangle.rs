@@ -258,10 +258,12 @@ fn what_is_no_row_is_refused() {
     assert!(matches!(error, Error::Option { option: "error", .. }), "{error}");
 }
 
-/// Chunks are dense one at a time, so that memory for many receivers grows with their light only.
+/// Rows are never dense all at once.
 #[test]
-fn memory_is_that_of_a_few_chunks() {
-    let need = |receivers: usize| rows_memory_needed(receivers, 3000, &Params::default());
-    assert!(need(3000) > 3000 * 3000 * 16 && need(3000) < 1 << 30);
-    assert!(need(300_000) < 2 << 30 && need(300_000) < 4 * need(12_000), "{}", need(300_000));
+fn memory_is_far_below_that_of_dense_rows() {
+    let need = |receivers: usize, senders: usize| rows_memory_needed(receivers, senders, &Params::default());
+    assert!(need(65_536, 12_000) < 3 << 29, "{}", need(65_536, 12_000));
+    // The packed rows and the light of probes at least.
+    assert!(need(50_000, 2_600) > 50_000 * (100 + 40 * 8));
+    assert!(need(1, 1) < 2 << 20 && need(100, 40_000) < 1 << 28);
 }
