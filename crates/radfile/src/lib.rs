@@ -7,7 +7,8 @@
 //!
 //! Start at [`Container`] to read, at [`Builder`] to write, and at the records
 //! ([`Mesh`], [`Materials`], [`Patches`], [`FormFactors`], [`Operator`],
-//! [`Permutation`], [`PackedOperator`], [`HierarchicalOperator`], [`Transfer`]) for what the sections mean.
+//! [`Permutation`], [`PackedOperator`], [`HierarchicalOperator`], [`Transfer`],
+//! [`Lightmap`]) for what the sections mean.
 //! The byte layout is specified in `formats/rad.md`.
 //!
 //! # Example
@@ -48,6 +49,7 @@ mod form_factors;
 mod half;
 mod hierarchical;
 mod layout;
+mod lightmap;
 mod locator;
 mod luma;
 mod materials;
@@ -73,6 +75,7 @@ pub use form_factors::{FormFactors, read_sky};
 pub use half::{Colour, ColourBlock, MOST_PATCHES, NO_COMPONENT, half_blocks, rounded, unit_of};
 pub use hierarchical::{Certificate, HierarchicalOperator, Kernel};
 pub use layout::{FLAG_PATCH_ORDER, FLAG_REQUIRED, IDENTIFIER, VERSION};
+pub use lightmap::{LARGEST_LIGHTMAP, Lightmap};
 pub use locator::{CUT, CellKey, Cut, DEEPEST_CUT, PatchLocator};
 pub use luma::{LUMA, luma};
 pub use materials::{Material, Materials, Texture, Wrap};

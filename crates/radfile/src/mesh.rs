@@ -24,6 +24,9 @@ pub struct Mesh {
     pub uv: Vec<[f32; 2]>,
     /// `v` × 2 coordinates of the emission texture; empty means the same as `uv`.
     pub emission_uv: Vec<[f32; 2]>,
+    /// `v` × 2 coordinates of a lightmap that the scene file brings, or empty; same origin as `uv`. A part of the scene
+    /// without them has (0, 0).
+    pub lightmap_uv: Vec<[f32; 2]>,
 }
 
 /// Which side of a triangle.
@@ -71,7 +74,7 @@ impl Mesh {
         if !self.origin.iter().all(|x| x.is_finite()) {
             return broken(format!("origin is {:?}, expected finite numbers", self.origin));
         }
-        for (name, uv) in [("uv", &self.uv), ("emission_uv", &self.emission_uv)] {
+        for (name, uv) in [("uv", &self.uv), ("emission_uv", &self.emission_uv), ("lightmap_uv", &self.lightmap_uv)] {
             if let Some(v) = uv.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
                 return broken(format!("vertex {v} has {name} {:?}, expected finite numbers", uv[v]));
             }
@@ -101,6 +104,7 @@ impl<'a> Record<'a> for Mesh {
             triangle_material: c.array_of::<u32>("mesh.material", &[Some(triangles.len())])?.to_vec(),
             uv: uv("mesh.uv")?,
             emission_uv: uv("mesh.emission_uv")?,
+            lightmap_uv: uv("mesh.lightmap_uv")?,
             positions,
             triangles,
         };
@@ -120,7 +124,9 @@ impl<'a> Record<'a> for Mesh {
         b.array("mesh.positions", FLAG_REQUIRED, &[self.positions.len(), 3], self.positions.as_flattened());
         b.array("mesh.triangles", FLAG_REQUIRED, &[self.triangles.len(), 3], self.triangles.as_flattened());
         b.array("mesh.material", FLAG_REQUIRED, &[self.triangle_material.len()], &self.triangle_material[..]);
-        for (name, uv) in [("mesh.uv", &self.uv), ("mesh.emission_uv", &self.emission_uv)] {
+        let sets =
+            [("mesh.uv", &self.uv), ("mesh.emission_uv", &self.emission_uv), ("mesh.lightmap_uv", &self.lightmap_uv)];
+        for (name, uv) in sets {
             if !uv.is_empty() {
                 b.array(name, 0, &[uv.len(), 2], uv.as_flattened());
             }

@@ -12,6 +12,7 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("mesh.material", "voxel-simplify"),
     ("mesh.uv", "voxel-simplify"),
     ("mesh.emission_uv", "voxel-simplify"),
+    ("mesh.lightmap_uv", "voxel-simplify"),
     ("materials.meta", "voxel-simplify"),
     ("materials.textures", "voxel-simplify"),
     ("scene.extras", "voxel-simplify"),
@@ -59,10 +60,17 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("transfer.fine_triangle", "transfer"),
     ("transfer.fine_source", "transfer"),
     ("transfer.fine_receiver", "transfer"),
+    ("lightmap.meta", "transfer"),
+    ("lightmap.corner_uv", "transfer"),
+    ("lightmap.texel", "transfer"),
+    ("lightmap.position", "transfer"),
+    ("lightmap.normal", "transfer"),
+    ("lightmap.triangle", "transfer"),
+    ("lightmap.receiver", "transfer"),
 ];
 
 /// Sections that later minor versions brought, from 1.1 on; all others are those of 1.0.
-const SINCE: [&[&str]; 2] = [
+const SINCE: [&[&str]; 3] = [
     &["patches.cut_plane", "patches.cut_child"],
     &[
         "pack.half",
@@ -76,6 +84,16 @@ const SINCE: [&[&str]; 2] = [
         "pack.half_core",
         "hmatrix.meta",
         "hmatrix.blocks",
+    ],
+    &[
+        "mesh.lightmap_uv",
+        "lightmap.meta",
+        "lightmap.corner_uv",
+        "lightmap.texel",
+        "lightmap.position",
+        "lightmap.normal",
+        "lightmap.triangle",
+        "lightmap.receiver",
     ],
 ];
 

@@ -200,6 +200,37 @@ fn each_texture_takes_the_coordinates_that_its_material_names() {
 }
 
 #[test]
+fn the_second_set_is_kept_for_a_lightmap_without_any_transform() {
+    let moved = json!({"index": 0, "texCoord": 1, "extensions": {"KHR_texture_transform": {"offset": [0.5, 0]}}});
+    let (scene, _) = textured(moved, Value::Null).import().unwrap();
+    assert_eq!(scene.mesh.lightmap_uv, [[0.75, 0.5]; 4]);
+    assert_eq!(scene.mesh.uv, [[1.25, 0.5]; 4]);
+    assert!(square().import().unwrap().0.mesh.lightmap_uv.is_empty());
+}
+
+#[test]
+fn what_has_no_second_set_lies_at_the_origin_of_the_lightmap() {
+    let mut g = textured(json!({"index": 0}), Value::Null);
+    let mut plain = g.json["meshes"][0].clone();
+    plain["primitives"][0]["attributes"].as_object_mut().unwrap().remove("TEXCOORD_1");
+    let plain = g.push("meshes", plain);
+    g.json["nodes"] = json!([{"mesh": 0}, {"mesh": plain, "translation": [3, 0, 0]}]);
+    g.json["scenes"] = json!([{"nodes": [0, 1]}]);
+    let (scene, _) = g.import().unwrap();
+    assert_eq!(scene.mesh.lightmap_uv, [[[0.75, 0.5]; 4], [[0.0; 2]; 4]].concat());
+}
+
+#[test]
+fn a_broken_second_set_refuses_no_scene_that_does_not_need_it() {
+    let mut g = textured(json!({"index": 0}), Value::Null);
+    g.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = json!(99);
+    let (scene, report) = g.import().unwrap();
+    assert!(scene.mesh.lightmap_uv.is_empty());
+    let said = "coordinates of a lightmap (TEXCOORD_1) that cannot be read are ignored; primitives: 1";
+    assert!(report.warnings.iter().any(|w| w == said), "{:?}", report.warnings);
+}
+
+#[test]
 fn texture_transforms_are_applied_to_the_coordinates() {
     let moved = json!({"index": 0, "extensions": {"KHR_texture_transform": {"offset": [0.5, 0]}}});
     assert_eq!(colours(textured(moved, json!({"index": 0}))), (0.5, 0.0, 4));

@@ -39,6 +39,10 @@ refuses!(
         (|c| c.mesh.origin[2] = f64::INFINITY, "mesh: origin is [4000000.5, -0.25, inf], expected finite"),
         (|c| c.mesh.triangles[11][2] = 24, "mesh: triangle 11 names vertices [20, 22, 24], there are 24"),
         (|c| c.mesh.uv[5][0] = f32::NAN, "mesh: vertex 5 has uv [NaN, 0.0], expected finite numbers"),
+        (
+            |c| c.mesh.lightmap_uv = vec![[f32::NAN; 2]; 24],
+            "mesh: vertex 0 has lightmap_uv [NaN, NaN], expected finite numbers"
+        ),
         (|c| c.mesh.emission_uv[0][1] = f32::INFINITY, "mesh: vertex 0 has emission_uv [0.5, inf]"),
         (
             |c| {

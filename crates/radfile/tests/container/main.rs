@@ -11,6 +11,7 @@ mod foreign;
 mod half;
 mod hostile;
 mod invariants;
+mod lightmap;
 mod metadata;
 mod patch_order;
 mod random;

@@ -4,7 +4,7 @@ use std::{collections::HashMap, path::Path};
 
 use radfile::{Container, ElementType, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, SECTIONS};
 
-use crate::fixture::{cube, cube_with_cuts, half, hierarchical, minimal, open};
+use crate::fixture::{cube, cube_with_cuts, half, hierarchical, lightmap, minimal, open};
 
 fn specification() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../formats/rad.md");
@@ -49,10 +49,12 @@ fn fits(extent: &str, found: u64, symbols: &mut HashMap<String, u64>) -> bool {
 
 #[test]
 fn every_section_has_the_element_shape_and_flags_that_the_specification_lists() {
-    let (cube, hierarchical, half) = (cube_with_cuts(), hierarchical(), half());
+    let (mut cube, hierarchical, half, lightmap) = (cube_with_cuts(), hierarchical(), half(), lightmap());
+    cube.mesh.lightmap_uv = cube.mesh.uv.clone();
     let mut builder = cube.builder();
     hierarchical.write(&mut builder);
     half.write(&mut builder);
+    lightmap.write(&mut builder);
     let container = open(&builder);
     let mut symbols = HashMap::new();
     let text = specification();
@@ -201,10 +203,11 @@ fn float64(bytes: &[u8]) -> u64 {
 #[test]
 fn a_reader_made_from_the_specification_alone_reads_all_metadata() {
     let reader = Reader::new(&specification());
-    let (cube, hierarchical, half) = (cube(), hierarchical(), half());
+    let (cube, hierarchical, half, lightmap) = (cube(), hierarchical(), half(), lightmap());
     let mut builder = cube.builder();
     hierarchical.write(&mut builder);
     half.write(&mut builder);
+    lightmap.write(&mut builder);
     let container = open(&builder);
     let metas = container.sections().iter().filter(|s| s.element == ElementType::Meta);
     let read: Vec<(&str, String)> = metas.map(|s| (s.name.as_str(), reader.section(&container, &s.name))).collect();
@@ -220,6 +223,7 @@ fn a_reader_made_from_the_specification_alone_reads_all_metadata() {
     assert!(of("pack.meta").starts_with("6 3 Bc4 Sqrt ") && of("pack.meta").ends_with(" 8 1 "));
     assert!(of("pack.half").starts_with(&format!("6 3 7 Sqrt {} {} ", bits(0.5), bits(2.0))), "{}", of("pack.half"));
     assert_eq!(of("series.meta"), "");
+    assert_eq!(of("lightmap.meta"), "4 2 ");
     assert!(of("provenance").starts_with("voxel-simplify 1.0 --frozen cube.obj 1f2e3d4c"));
 
     let (paper, mut builder) = (cube.packed_as_the_paper(), minimal());

@@ -36,6 +36,8 @@ pub struct Vertex {
     pub position: [f64; 3],
     /// Coordinates in the reflectance texture and in the emission texture, row 0 first.
     pub uv: [[f32; 2]; 2],
+    /// Coordinates in a lightmap of the scene file, row 0 first.
+    pub lightmap_uv: Option<[f32; 2]>,
 }
 
 /// Triangles on their way to a [`Mesh`].
@@ -106,6 +108,9 @@ impl<'a> Assembly<'a> {
         }
         if textured && self.vertices.iter().any(|v| v.uv[0] != v.uv[1]) {
             mesh.emission_uv = self.vertices.iter().map(|v| v.uv[1]).collect();
+        }
+        if self.vertices.iter().any(|v| v.lightmap_uv.is_some()) {
+            mesh.lightmap_uv = self.vertices.iter().map(|v| v.lightmap_uv.unwrap_or_default()).collect();
         }
         Ok(mesh)
     }
@@ -217,7 +222,7 @@ mod tests {
 
     fn finish(corners: &[[f64; 3]], triangles: &[[u32; 3]]) -> (Result<Mesh>, Vec<String>) {
         let (mut assembly, mut notes) = (Assembly::new("test.obj"), Notes::default());
-        let vertices = corners.iter().map(|&position| Vertex { position, uv: [[0.0; 2]; 2] });
+        let vertices = corners.iter().map(|&position| Vertex { position, uv: [[0.0; 2]; 2], lightmap_uv: None });
         assembly.add(vertices, triangles, 0).unwrap();
         let mesh = assembly.finish(ImportOptions::default(), false, &mut notes);
         (mesh, notes.into_warnings())

@@ -93,7 +93,7 @@ impl SceneReader<'_, '_, '_> {
 }
 
 fn add_primitive(assembly: &mut Assembly, primitive: &Primitive, transform: &DMat4) -> Result<()> {
-    let moved = |v: &Vertex| Vertex { position: transform.transform_point3(v.position.into()).into(), uv: v.uv };
+    let moved = |v: &Vertex| Vertex { position: transform.transform_point3(v.position.into()).into(), ..*v };
     let vertices = primitive.vertices.iter().map(moved);
     // A mirroring transform would turn the front sides to the back.
     if transform.determinant() < 0.0 {

@@ -1,5 +1,7 @@
 //! Primitives of meshes to triangles, with the texture coordinates that their material asks for.
 
+use glam::DAffine2;
+
 use super::{
     accessor::Reader,
     document::Document,
@@ -13,6 +15,9 @@ use crate::{
         notes::Notes,
     },
 };
+
+/// The set of coordinates that a file's lightmap has by custom, as glTF has no word for it.
+const LIGHTMAP: usize = 1;
 
 /// Triangles of one primitive, in the mesh's own axes.
 pub struct Primitive {
@@ -74,10 +79,12 @@ impl Whole<'_> {
         used.dedup();
         let material = materials.get(self.primitive.material, notes)?;
         let uv = [self.uv(&material.reflectance, notes)?, self.uv(&material.emission, notes)?];
+        let lightmap = self.lightmap(notes);
         let vertex = |&i: &u32| {
             // Where a material has one texture only, both sets are the same and need to be kept once.
             let at = |k: usize| uv[k].as_ref().or(uv[1 - k].as_ref()).map_or([0.0; 2], |uv| uv.at(i as usize));
-            Vertex { position: positions.get(i as usize), uv: [at(0), at(1)] }
+            let lightmap_uv = lightmap.as_ref().map(|uv| uv.at(i as usize));
+            Vertex { position: positions.get(i as usize), uv: [at(0), at(1)], lightmap_uv }
         };
         let number = |i: u32| used.binary_search(&i).expect("every corner is in the list made of the corners") as u32;
         Ok(Some(Primitive {
@@ -120,16 +127,30 @@ impl Whole<'_> {
         }
     }
 
-    fn uv<'m>(&self, texture: &'m Option<TextureUse>, notes: &mut Notes) -> Result<Option<Uv<'_, 'm>>> {
+    fn uv(&self, texture: &Option<TextureUse>, notes: &mut Notes) -> Result<Option<Uv<'_>>> {
         let Some(texture) = texture else { return Ok(None) };
-        let Some(&accessor) = self.primitive.attributes.get(&format!("TEXCOORD_{}", texture.set)) else {
+        let reader = self.set(texture.set)?;
+        if reader.is_none() {
             notes.count("textured primitives have no texture coordinates and take the first texel's colour", 1);
-            return Ok(None);
-        };
+        }
+        Ok(reader.map(|reader| Uv { reader, transform: texture.transform }))
+    }
+
+    /// Coordinates of the lightmap. Nothing but a lightmap needs them, so broken ones refuse no scene.
+    fn lightmap(&self, notes: &mut Notes) -> Option<Uv<'_>> {
+        let read = self.set(LIGHTMAP);
+        let broken = usize::from(read.is_err());
+        notes.count("coordinates of a lightmap (TEXCOORD_1) that cannot be read are ignored; primitives", broken);
+        Some(Uv { reader: read.ok()??, transform: DAffine2::IDENTITY })
+    }
+
+    /// The texture coordinates `TEXCOORD_set`, if the primitive has them.
+    fn set(&self, set: usize) -> Result<Option<Reader<'_>>> {
+        let Some(&accessor) = self.primitive.attributes.get(&format!("TEXCOORD_{set}")) else { return Ok(None) };
         let reader = Reader::open(self.document, accessor, "VEC2")?;
         let positions = self.primitive.attributes.get("POSITION").map(|&a| self.document.root.accessors[a].count);
         match positions == Some(reader.count() as u64) {
-            true => Ok(Some(Uv { reader, texture })),
+            true => Ok(Some(reader)),
             false => Err(self.malformed("has another number of texture coordinates than of positions")),
         }
     }
@@ -147,15 +168,16 @@ impl Whole<'_> {
 }
 
 /// Coordinates of one texture.
-struct Uv<'a, 'm> {
+struct Uv<'a> {
     reader: Reader<'a>,
-    texture: &'m TextureUse,
+    /// `KHR_texture_transform`.
+    transform: DAffine2,
 }
 
-impl Uv<'_, '_> {
-    /// What `KHR_texture_transform` makes of vertex `i`; 0 where that is no number.
+impl Uv<'_> {
+    /// What the transform makes of vertex `i`; 0 where that is no number.
     fn at(&self, i: usize) -> [f32; 2] {
-        let uv = self.texture.transform.transform_point2(self.reader.get::<2>(i).into());
+        let uv = self.transform.transform_point2(self.reader.get::<2>(i).into());
         [uv.x, uv.y].map(|c| c as f32).map(|c| if c.is_finite() { c } else { 0.0 })
     }
 }

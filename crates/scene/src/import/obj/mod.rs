@@ -57,7 +57,7 @@ fn vertices(mesh: &tobj::Mesh) -> impl Iterator<Item = Vertex> {
     let coordinates = mesh.texcoords.as_chunks::<2>().0;
     positions.iter().zip(coordinates).map(|(&position, &[u, v])| {
         let uv = [u as f32, (1.0 - v) as f32].map(|c| if c.is_finite() { c } else { 0.0 });
-        Vertex { position, uv: [uv; 2] }
+        Vertex { position, uv: [uv; 2], lightmap_uv: None }
     })
 }
 
