@@ -83,6 +83,8 @@ fn stages_know_radfile_and_scene_and_nothing_else_of_ours() {
     for base in ["scene", "probes"] {
         assert_eq!(dependencies(base).intersection(&ours()).collect::<Vec<_>>(), ["radfile"]);
     }
+    let known: BTreeSet<String> = dependencies("lightmap").intersection(&ours()).cloned().collect();
+    assert_eq!(known, allowed);
     // The run times multiply with hierarchical blocks.
     let allowed = &allowed | &BTreeSet::from(["hmatrix".to_owned()]);
     for runtime in ["relight", "gpu-runtime"] {
@@ -108,6 +110,7 @@ fn heavy_dependencies_stand_in_one_room_each() {
         ("bincode", "radfile"),
         ("tobj", "scene"),
         ("kuva", "plot"),
+        ("uvunwrap", "lightmap"),
     ];
     for (package, room) in rooms {
         for own in ours() {
