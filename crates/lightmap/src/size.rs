@@ -7,7 +7,8 @@ use crate::{Error, Result};
 /// What decides the number of texels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
-    /// About so many texels touch the mesh; within a few per cent, unless the mesh falls into more charts than that.
+    /// About so many texels touch the mesh: within a few per cent, and a tenth where most charts are smaller than a texel.
+    /// There is one for each chart at least.
     Texels(u32),
     /// Texels along a metre.
     PerMetre(f32),
