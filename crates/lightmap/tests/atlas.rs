@@ -4,8 +4,8 @@ mod common;
 
 use common::{ALL, cuboid, lightmap, load, quad, room};
 use lightmap::{Atlas, Error, NO_CHART, Size, UnwrapParams, memory_needed, texels, unwrap};
-use radfile::{Mesh, Quiet};
-use scene::Rays;
+use radfile::{Mesh, NO_RECEIVER, Quiet};
+use scene::{Rays, hash};
 
 fn with_size(size: Size) -> UnwrapParams {
     UnwrapParams { size, ..UnwrapParams::default() }
@@ -104,6 +104,37 @@ fn triangles_without_area_have_no_receivers_and_no_nonsense() {
     // Nothing but such triangles is no reason to fail.
     let nothing = Mesh { triangles: vec![[first, first + 1, first + 2]], triangle_material: vec![0], ..mesh };
     assert_eq!(lightmap(&nothing, Size::Texels(100)).2.receivers, 0);
+}
+
+#[test]
+fn triangles_at_random_of_any_size_give_legal_lightmaps() {
+    for (seed, size) in [(1, 1e-6), (2, 1.0), (3, 1e7)] {
+        let mut state = seed;
+        let mut random = move || {
+            state = hash(state, seed);
+            state as f32 / u32::MAX as f32
+        };
+        let mut mesh = Mesh::default();
+        for t in 0..400 {
+            let middle: [f32; 3] = std::array::from_fn(|_| size * random());
+            // Of a tenth of the scene down to a millionth; every seventh is a needle.
+            let extent = size * 10f32.powf(-1.0 - 5.0 * random());
+            let mut corners: [[f32; 3]; 3] = std::array::from_fn(|_| middle.map(|x| x + extent * (random() - 0.5)));
+            if t % 7 == 0 {
+                corners[2] = std::array::from_fn(|k| 0.5 * (corners[0][k] + corners[1][k]));
+            }
+            mesh.positions.extend(corners);
+            mesh.triangles.push([3 * t, 3 * t + 1, 3 * t + 2]);
+            mesh.triangle_material.push(0);
+        }
+        // `lightmap` checks every number of the record.
+        let (atlas, map, report) = lightmap(&mesh, Size::Texels(4000));
+        assert!(report.receivers > 1000, "size {size}: {report:?}");
+        for (t, _) in atlas.chart.iter().enumerate().filter(|(_, c)| **c != NO_CHART) {
+            let inside = common::bilinear(&map, common::flat(&map, t)[0]);
+            assert!(inside.iter().all(|(x, weight)| *weight < 1e-3 || map.receiver[*x] != NO_RECEIVER), "{size}: {t}");
+        }
+    }
 }
 
 /// Two unit squares side by side, both with coordinates of their own.
