@@ -31,7 +31,7 @@ pub struct UnwrapParams {
     pub size: Size,
     /// Texels around each chart that belong to it, 1 or more: charts are twice as many apart.
     pub padding: u32,
-    /// Pack charts row by row: many times faster where there are many, and about a quarter more texels stay empty.
+    /// Pack charts row by row: many times faster where there are thousands, and somewhat more texels stay empty.
     pub fast: bool,
 }
 
