@@ -2,7 +2,8 @@
 //
 // hmatrix_scatter.wgsl: last step of the product with hierarchical blocks, the rows of the result.
 //
-// equation   H = A^{-1/2} (C t + squares of the codes of tiles x columns + entries that stand apart)
+// equation   H = A^{-1/2} (C t + squares of the codes of tiles x columns + entries that stand apart); in a rectangle there is
+//            1 in place of sqrt(A), and each row adds its share of the sky
 // twin       HMatrix::leaf in crates/hmatrix/src/hmatrix.rs
 // dispatch   one workgroup for eight rows of a leaf; 32 invocations a row take panels in turn, a quarter of one each
 // units      carried, light W/m; H W/m2, linear RGB
@@ -21,6 +22,8 @@ struct ScatterParams {
     runs: u32,
     unused_a: u32,
     unused_b: u32,
+    // Irradiance of a whole sky in .xyz, pi L; 0 in symmetric operators.
+    sky: vec4<f32>,
 }
 
 @group(0) @binding(0) var<uniform> params: ScatterParams;
@@ -28,11 +31,12 @@ struct ScatterParams {
 @group(0) @binding(2) var<storage, read> codes: array<u32>;
 @group(0) @binding(3) var<storage, read> carried: array<vec4<f32>>;
 @group(0) @binding(4) var<storage, read> light: array<vec4<f32>>;
-// Patch at each place, and where its entries that stand apart start.
+// Receiver of each row, and where its entries that stand apart start.
 @group(0) @binding(5) var<storage, read> rows: array<vec2<u32>>;
-// Patch that sends, and the bits of the entry.
+// Sender, and the bits of the entry.
 @group(0) @binding(6) var<storage, read> apart: array<vec2<u32>>;
-@group(0) @binding(7) var<storage, read> patches: array<vec4<f32>>;
+// Of receivers: what they are divided by in .w, and, of a rectangle, their share of the sky in .x.
+@group(0) @binding(7) var<storage, read> receivers: array<vec4<f32>>;
 @group(0) @binding(8) var<storage, read_write> irradiance: array<vec4<f32>>;
 
 const ROWS = 8u;
@@ -85,9 +89,10 @@ fn hmatrix_scatter(
     workgroupBarrier();
     let last = above + invocation;
     if invocation < ROWS && first < arrayLength(&leaves) && last < leaves[first].y {
-        let patch_number = rows[leaves[first].x + last].x;
+        let own = rows[leaves[first].x + last].x;
+        let receiver = receivers[own];
         let q = 4u * invocation;
         let y = partial[q] + partial[q + 1u] + (partial[q + 2u] + partial[q + 3u]);
-        irradiance[patch_number] = vec4(y / patches[patch_number].w, 0.0);
+        irradiance[own] = vec4(y / receiver.w + receiver.x * params.sky.xyz, 0.0);
     }
 }

@@ -271,7 +271,7 @@ mod tests {
         same_layout!(COLOUR_GATHER, "Member", Member, [patch_number, scale, first]);
         same_layout!(HMATRIX_GATHER, "Panel", Panel, [codes, place, len, sums]);
         same_layout!(HMATRIX_EXCHANGE, "Term", Term, [factor, source]);
-        same_layout!(HMATRIX_SCATTER, "ScatterParams", ScatterParams, [parts, runs, unused_a, unused_b]);
+        same_layout!(HMATRIX_SCATTER, "ScatterParams", ScatterParams, [parts, runs, unused_a, unused_b, sky]);
         same_layout!(GATHER, "GatherParams", GatherParams, [receivers, share, unused_a, unused_b, sky]);
         same_layout!(SURFACE, "Camera", CameraUniform, [view, eye]);
         same_layout!(SURFACE, "Material", MaterialUniform, [reflectance, emission]);

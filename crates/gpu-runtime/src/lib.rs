@@ -22,6 +22,7 @@ mod gpu;
 mod hierarchical;
 mod kernels;
 mod lamp;
+mod last_gather;
 mod operator;
 mod packed;
 mod patch_tables;
@@ -35,6 +36,7 @@ mod view;
 
 pub use error::{Error, Result};
 pub use gpu::{Adapter, Gpu};
+pub use last_gather::LastGather;
 pub use operator::Decode;
 pub use packed::Packed;
 pub use picture::Parts;

@@ -101,8 +101,12 @@ pub struct Near {
 
 /// The arrays of [`HMatrix::multiply`], for a product elsewhere. Clusters and tiles count places, not patches.
 pub struct Layout<'a> {
-    /// Patch at each place.
+    /// Patch or sender at each place.
     pub order: &'a [u32],
+    /// What the light of each place is multiplied by before anything else; 1 in symmetric operators.
+    pub scale: &'a [f32],
+    /// The patch or receiver of each row, those of the leaves first; behind them the ones that receive nothing.
+    pub receivers: Vec<u32>,
     /// Codes of [`LANES`] triples at one place each.
     pub codes: &'a [[i8; LANES]],
     /// What is gathered: t = Cᵀ x.
@@ -388,6 +392,20 @@ impl HMatrix {
         self.pairs.rows.range(self.pairs.rows.depth, leaf)
     }
 
+    /// The patch or receiver of each row, then those that are in no leaf.
+    fn receiver_of_rows(&self) -> Vec<u32> {
+        let (tree, width) = (self.pairs.rows, row_width(self.pairs.rows));
+        let mut padded = vec![u32::MAX; width * tree.count(tree.depth)];
+        let mut others = Vec::new();
+        for (receiver, &slot) in (0..).zip(&self.slot) {
+            match padded.get_mut(slot as usize) {
+                Some(own) => *own = receiver,
+                None => others.push(receiver),
+            }
+        }
+        padded.into_iter().filter(|receiver| *receiver != u32::MAX).chain(others).collect()
+    }
+
     /// What the product reads.
     pub fn layout(&self) -> Layout<'_> {
         let depth = self.clusters.len() - 1;
@@ -398,6 +416,8 @@ impl HMatrix {
         };
         Layout {
             order: &self.order,
+            scale: &self.scale,
+            receivers: self.receiver_of_rows(),
             codes: &self.codes,
             panels: &self.panels,
             partner: &self.partner,

@@ -1,6 +1,6 @@
 //! From senders to receivers: an operator with other rows than columns.
 
-use crate::{HMatrix, Result, Workspace, hmatrix::dense, stream::Parts};
+use crate::{HMatrix, Layout, Result, Workspace, hmatrix::dense, stream::Parts};
 
 /// The weights of all senders at all receivers, compressed. Row = receiver, column = sender, each in the order in which
 /// they were given.
@@ -46,6 +46,11 @@ impl Rectangle {
     /// If `x`, `y` or the workspace are of another size: a bug in the caller.
     pub fn multiply(&self, x: &[[f32; 3]], y: &mut [[f32; 3]], workspace: &mut Workspace) {
         self.0.multiply(x, y, workspace);
+    }
+
+    /// What the product reads.
+    pub fn layout(&self) -> Layout<'_> {
+        self.0.layout()
     }
 
     /// The dense matrix in the order of receivers and senders, row-major, from the packed bytes: what judges
