@@ -1,5 +1,6 @@
 # Allbounce. `make demo` shows it, `make test` checks it, `make bake SCENE=room.glb` bakes a scene stage by stage,
-# `make charts` draws where methods hold and where they fail (docs/charts/), `make bench` measures every operator.
+# `make charts` draws where methods hold and where they fail (docs/charts/), `make bench` measures every operator,
+# `make leaks` how much light gets where it is dark (docs/leaks.md).
 #
 # Options of a stage go into a variable of its name:
 #   make bake SCENE=room.glb VOXEL_SIMPLIFY="--patches 3000" FORMFACTOR="--rays 1024"
@@ -11,7 +12,7 @@ SHELL := bash
 .DELETE_ON_ERROR:
 # Software Vulkan drivers want a private folder for their scratch files.
 export XDG_RUNTIME_DIR ?= /tmp
-.PHONY: help setup build demo test charts bench bake clean FORCE
+.PHONY: help setup build demo test charts leaks bench bake clean FORCE
 
 ALLBOUNCE := target/release/allbounce
 
@@ -93,14 +94,19 @@ endif
 
 CORNELL := out/cornell/6-transfer.rad
 APARTMENT := out/apartment/6-transfer.rad
+# Scenes that are cut open; where they are dark, light would be a leak.
+LEAKS := rooms boxes curtain
 PICTURES := cornell-lamp cornell-lamp-indirect cornell-point cornell-spots cornell-spots-gpu \
-    living-day living-evening hall-panel hall-panel-indirect hall-panel-gpu
+    living-day living-evening hall-panel hall-panel-indirect hall-panel-gpu \
+    $(foreach scene,$(LEAKS),leak-$(scene) leak-$(scene)-exposed) leak-curtain-traced
 
 demo: build
 	$(MAKE) --no-print-directory bake SCENE=assets/cornell/cornell.obj VOXEL_SIMPLIFY="--patches 2500"
 	$(MAKE) --no-print-directory bake SCENE=assets/apartment/apartment.obj VOXEL_SIMPLIFY="--patches 4000"
 	$(ALLBOUNCE) verify $(CORNELL)
 	$(ALLBOUNCE) verify $(APARTMENT)
+	$(foreach scene,$(LEAKS),$(MAKE) --no-print-directory bake SCENE=assets/leaks/$(scene)/$(scene).obj \
+	    BAKE_DIR=out/leak-$(scene) VOXEL_SIMPLIFY="--patches 1500";)
 	$(MAKE) --no-print-directory $(PICTURES:%=out/%.png)
 	$(ALLBOUNCE) relight $(CORNELL) --lights assets/cornell/lamp.json -o out/cornell-lamp.csv
 	@echo 'look at out/*.png; numbers are in out/*/*.json and out/*.csv; `$(ALLBOUNCE) inspect $(CORNELL)` tells how a bake was made'
@@ -111,6 +117,15 @@ out/living-%.png: $(APARTMENT)
 	$(ALLBOUNCE) render $< --samples 24 --camera assets/apartment/living.camera.json $(call look,apartment,$*) -o $@
 out/hall-%.png: $(APARTMENT)
 	$(ALLBOUNCE) render $< --camera assets/apartment/hall.camera.json $(call look,apartment,$(subst panel,hall,$*)) -o $@
+
+# As it is, and exposed twenty times as long, so that a thousandth of the light would show.
+out/leak-%.png: out/leak-%/6-transfer.rad
+	$(ALLBOUNCE) render $< $(call leak,$*) --height 384 -o $@
+out/leak-%-exposed.png: out/leak-%/6-transfer.rad
+	$(ALLBOUNCE) render $< $(call leak,$*) --height 384 --exposure 5 -o $@
+out/leak-%-traced.png: assets/leaks/%/lamp.json
+	$(ALLBOUNCE) reference assets/leaks/$*/$*.obj $(call leak,$*) --width 160 --height 120 --samples 512 --exposure 5 -o $@
+leak = --lights assets/leaks/$(1)/lamp.json --camera assets/leaks/$(1)/camera.json
 
 # Lights and options of a picture's name: lamp-indirect is lamp.json with --indirect-only; -gpu takes the GPU.
 look = --lights assets/$(1)/$(firstword $(subst -, ,$(2))).json \
@@ -129,6 +144,11 @@ test: setup
 
 charts: setup
 	cargo run --release -p allbounce-tests --example make_charts
+
+# ---- the leak suite ----
+
+leaks: setup
+	cargo run --release -p allbounce-tests --example make_leaks
 
 # ---- the bench of operators ----
 

@@ -2,7 +2,9 @@
 
 fn main() -> std::io::Result<()> {
     for (path, text) in allbounce_tests::generated_assets() {
-        std::fs::write(allbounce_tests::root().join(path), text)?;
+        let file = allbounce_tests::root().join(&path);
+        std::fs::create_dir_all(file.parent().expect("a folder"))?;
+        std::fs::write(file, text)?;
         println!("{path}");
     }
     Ok(())

@@ -5,6 +5,7 @@ pub mod apartment;
 pub mod bench;
 pub mod charts;
 pub mod cornell;
+pub mod leaks;
 pub mod mesh_text;
 pub mod patch_light;
 pub mod program;
@@ -44,12 +45,20 @@ pub fn skipped(reason: &str) {
 }
 
 /// Every bundled file that is generated: path below the root, contents.
-pub fn generated_assets() -> Vec<(&'static str, String)> {
-    let (cornell, apartment) = (cornell::scene(), apartment::scene());
-    vec![
-        ("assets/cornell/cornell.obj", cornell.obj("cornell.mtl")),
-        ("assets/cornell/cornell.mtl", cornell.mtl()),
-        ("assets/apartment/apartment.obj", apartment.obj("apartment.mtl")),
-        ("assets/apartment/apartment.mtl", apartment.mtl()),
-    ]
+pub fn generated_assets() -> Vec<(String, String)> {
+    let room = |folder: &str, mesh: &mesh_text::MeshText| {
+        let name = folder.rsplit('/').next().expect("a name");
+        [
+            (format!("assets/{folder}/{name}.obj"), mesh.obj(&format!("{name}.mtl"))),
+            (format!("assets/{folder}/{name}.mtl"), mesh.mtl()),
+        ]
+    };
+    let mut files = [room("cornell", &cornell::scene()), room("apartment", &apartment::scene())].concat();
+    for (name, scene, camera) in leaks::sections() {
+        let folder = format!("leaks/{name}");
+        files.extend(room(&folder, &scene.mesh()));
+        files.push((format!("assets/{folder}/lamp.json"), format!("{:#}\n", scene.lights())));
+        files.push((format!("assets/{folder}/camera.json"), format!("{camera:#}\n")));
+    }
+    files
 }

@@ -5,7 +5,7 @@ use allbounce_tests::{generated_assets, root};
 #[test]
 fn committed_scenes_are_what_the_generators_make() {
     for (path, text) in generated_assets() {
-        let committed = std::fs::read_to_string(root().join(path)).expect(path);
+        let committed = std::fs::read_to_string(root().join(&path)).expect(&path);
         assert!(
             committed == text,
             "{path} differs; run `cargo run --release -p allbounce-tests --example make_assets`"
