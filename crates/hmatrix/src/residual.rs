@@ -17,7 +17,8 @@ use crate::{
     triple::{BITS, Coded, quantise, top},
 };
 
-/// Power iterations, each with the block and its transpose.
+/// Power iterations, each with the block and its transpose. Measured as in `packer.rs`: 2 take 5 % more bytes, 4 take 1 %
+/// fewer.
 const ITERATIONS: usize = 3;
 /// Adding and subtracting it rounds a small number to the nearest whole one.
 const ROUNDER: f64 = 1.5 * (1u64 << 52) as f64;
