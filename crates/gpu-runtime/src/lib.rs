@@ -6,6 +6,7 @@
 //! of a picture. The CPU does the same in `relight`, which is the twin that this crate is judged by.
 //!
 //! The operator is [`Packed`] as block-compressed textures or as hierarchical blocks in storage buffers.
+//! [`LastGather`] brings what patches or their elements send to many receivers by packed rows.
 //!
 //! Start at [`Gpu::new`] and [`GpuRuntime::new`]. Kernels are in `shaders/`, one a file; this is the only
 //! crate that knows wgpu.

@@ -61,14 +61,14 @@ pub struct RowsReport {
 /// Packs the weights of all senders at all receivers, which need not be symmetric; a row sums to at most 1.
 ///
 /// Of `params` everything counts that is not said of operators: `kernel` and `keep_dense` do not. The error is that of
-/// what receivers get of senders that are lit by probe lights. Receivers without a weight get nothing, and
-/// receivers and senders that no row connects, even over others, exchange exactly nothing. `row` is called two or three times for
-/// most receivers.
+/// what receivers get of senders that are lit by probe lights. Receivers without a weight get nothing, and receivers and
+/// senders that no row connects, even over others, exchange exactly nothing. `row` is called two or three times for most
+/// receivers.
 ///
 /// # Errors
 ///
-/// [`Error::Option`], [`Error::NoSenders`], [`Error::SenderCount`], [`Error::NoReceivers`], [`Error::ReceiverCount`],
-/// [`Error::Sender`], [`Error::Weight`], [`Error::RowSum`].
+/// [`crate::Error::Option`], [`crate::Error::NoSenders`], [`crate::Error::SenderCount`], [`crate::Error::NoReceivers`],
+/// [`crate::Error::ReceiverCount`], [`crate::Error::Sender`], [`crate::Error::Weight`], [`crate::Error::RowSum`].
 pub fn compress_rows(
     receivers: &Receivers,
     senders: &Senders,
