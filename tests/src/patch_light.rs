@@ -3,9 +3,9 @@
 //! The program answers at points, which adds interpolation. What is exact for patches is asked of the functions that
 //! the program calls.
 
-use radfile::{Container, Operator, Patches, Quiet, Record, read_sky};
-use relight::{DirectLight, PatchSamples, patch_irradiance};
-use scene::{LightRig, Rays, Scene, Surfaces};
+use radfile::{Container, Elements, Operator, Patches, Quiet, Record, read_sky};
+use relight::{DirectLight, PatchSamples, element_irradiance};
+use scene::{ElementPoints, LightRig, Rays, Scene, Surfaces};
 use serde_json::Value;
 
 /// Irradiance of every patch, W/m².
@@ -26,7 +26,9 @@ impl PatchLight {
         let surfaces = Surfaces::new(&scene.mesh, &scene.materials).expect("surfaces");
         let light = DirectLight::new(&scene, &surfaces, &rays, &rig);
         let sky = read_sky(bake).expect("the sky");
-        let direct = patch_irradiance(&light, &patches, sky, &PatchSamples::default(), &Quiet);
+        let (samples, elements) = (PatchSamples::default(), Elements::whole(&patches));
+        let points = ElementPoints::new(&scene.mesh, &patches, &elements, samples.points);
+        let direct = element_irradiance(&light, &elements, &points, sky, samples.area, &Quiet);
         let packed = relight::indirect(&patches, &relight::Operator::read(bake).expect("a packed operator"), &direct);
         let wide = |values: Vec<[f32; 3]>| values.into_iter().map(|v| v.map(f64::from)).collect::<Vec<_>>();
         let direct = wide(direct);

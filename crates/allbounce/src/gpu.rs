@@ -1,12 +1,12 @@
 //! The GPU backend of `relight` and `render`; without the `gpu` feature it says so.
 
-use radfile::PointRows;
+use radfile::{PointRows, Weights};
 use relight::{Image, Operator, Parts, PointLight};
 use scene::{Camera, LightRig, SurfacePoint};
 
 use crate::runtime::Bake;
 
-/// Irradiance at points by way of the GPU, and the adapter that computed it.
+/// Irradiance at points by way of the GPU, and the adapter that computed it. Without `rows` they are the bake's receivers.
 ///
 /// With `bounces` the packed operator would not be asked, so the GPU has no part in it.
 #[cfg(feature = "gpu")]
@@ -16,7 +16,7 @@ pub fn relight(
     operator: &Operator,
     rig: &LightRig,
     points: &[SurfacePoint],
-    rows: &PointRows,
+    rows: Option<&PointRows>,
 ) -> anyhow::Result<(PointLight, String)> {
     if bounces.is_some() {
         anyhow::bail!("--bounces is computed from form factors on the CPU; use --backend cpu");
@@ -24,6 +24,15 @@ pub fn relight(
     let runtime = runtime(bake, operator)?;
     let position: Vec<[f32; 3]> = points.iter().map(|p| p.position.to_array()).collect();
     let normal: Vec<[f32; 3]> = points.iter().map(|p| p.normal.to_array()).collect();
+    let own;
+    let rows = match (rows, &bake.transfer.weights) {
+        (Some(rows), _) => rows,
+        (None, Weights::Interpolated(rows)) => {
+            own = PointRows::Interpolated(rows.clone());
+            &own
+        }
+        (None, Weights::Gathered(_)) => anyhow::bail!("gathered receivers are not on the GPU yet; use --backend cpu"),
+    };
     let light = runtime.relight_points(rig, &position, &normal, rows)?;
     Ok((PointLight { direct: light.direct, indirect: light.indirect }, runtime.report().adapter.clone()))
 }
@@ -55,8 +64,8 @@ fn runtime(bake: &Bake, operator: &Operator) -> anyhow::Result<gpu_runtime::GpuR
         Operator::Hierarchical(matrix, _) => gpu_runtime::Packed::Hierarchical(matrix),
     };
     let (gpu, params) = (gpu_runtime::Gpu::new()?, gpu_runtime::Params::default());
-    let (scene, patches) = (&bake.scene, &bake.patches);
-    Ok(gpu_runtime::GpuRuntime::new(&gpu, scene, patches, packed, bake.sky()?, &bake.transfer, &params)?)
+    let (scene, patches, elements) = (&bake.scene, &bake.patches, &bake.elements);
+    Ok(gpu_runtime::GpuRuntime::new(&gpu, scene, patches, elements, packed, bake.sky()?, &bake.transfer, &params)?)
 }
 
 #[cfg(not(feature = "gpu"))]
@@ -69,7 +78,7 @@ pub fn relight(
     _operator: &Operator,
     _rig: &LightRig,
     _points: &[SurfacePoint],
-    _rows: &PointRows,
+    _rows: Option<&PointRows>,
 ) -> anyhow::Result<(PointLight, String)> {
     anyhow::bail!(ABSENT)
 }

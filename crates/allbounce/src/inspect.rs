@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use radfile::{Container, HierarchicalOperator, Mesh, PackedOperator, Patches, Provenance, Record, Section, Transfer};
+use radfile::{Container, HierarchicalOperator, Mesh, PackedOperator, Patches, Provenance, Record, Section, Transfer, Weights, Gathered};
 use serde::Serialize;
 
 use crate::{files, memory, session::Session};
@@ -108,14 +108,13 @@ fn contents(c: &Container) -> anyhow::Result<Vec<String>> {
             100.0 * k.vis99
         ));
     }
-    if c.has("transfer.row_start") {
+    if c.has("transfer.position") {
         let t = Transfer::read(c)?;
-        lines.push(format!(
-            "transfer: {} receivers, {} fine triangles, {} weights",
-            t.position.len(),
-            t.fine.triangle.len(),
-            t.rows.patch.len()
-        ));
+        let how = match &t.weights {
+            Weights::Interpolated(rows) => format!("{} weights", rows.patch.len()),
+            Weights::Gathered(gathered) => gathered_rows(gathered),
+        };
+        lines.push(format!("transfer: {} receivers, {} fine triangles, {how}", t.receivers(), t.fine.triangle.len()));
     }
     Ok(lines)
 }
@@ -129,5 +128,20 @@ fn patches(p: &Patches) -> String {
         p.len(),
         p.pieces.len(),
         p.locator.cell_size
+    )
+}
+
+fn gathered_rows(g: &Gathered) -> String {
+    let k = &g.certificate;
+    format!(
+        "gathered from {} patches and elements by {} rays each, {} ({:.1} a receiver), light within {:.2} % (asked {:.2} %), \
+         99 % of what is seen within {:.1} %",
+        k.senders,
+        k.rays,
+        memory::size(g.stream.len() as u64),
+        g.stream.len() as f64 / g.sky.len().max(1) as f64,
+        100.0 * k.l2_mean,
+        100.0 * k.error_wanted,
+        100.0 * k.vis99
     )
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use radfile::{FormFactors, PointRows, Record};
-use relight::{DirectLight, Frame, Operator, PatchSamples, PointLight, Relighter, Samples};
+use relight::{DirectLight, Frame, Operator, PatchSamples, PointLight, Receivers, Relighter, Samples};
 use scene::{LightRig, Rays, SurfacePoint};
 use serde::Serialize;
 use transfer::GatherParams;
@@ -83,14 +83,16 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let operator = bake.operator().with_context(named)?;
     let rays = Rays::new(&bake.scene.mesh);
     let transfer = transfer_of(args, &operator).with_context(named)?;
-    let (points, surface, rows) = receivers(args, transfer, &bake, &rays, session)?;
+    let (points, rows) = points(args, transfer, &bake, &rays, session)?;
+    let receivers = rows.as_ref().map_or_else(|| bake.receivers(), |rows| Ok(rows.into())).with_context(named)?;
+    let surface = relight::surface_points(&bake.scene.mesh, &points.position, &points.normal);
     let (mut light, backend) = match args.light.backend {
         Backend::Cpu => {
-            let light = on_cpu(args, &bake, &operator, &rig, &rays, &surface, &rows, session);
+            let light = on_cpu(args, &bake, &operator, &rig, &rays, &surface, &receivers, session);
             (light.with_context(named)?, "cpu".into())
         }
         Backend::Gpu => {
-            crate::gpu::relight(args.bounces, &bake, &operator, &rig, &surface, &rows).with_context(named)?
+            crate::gpu::relight(args.bounces, &bake, &operator, &rig, &surface, rows.as_ref()).with_context(named)?
         }
     };
     args.light.blank(&mut light.direct, &mut light.indirect);
@@ -99,7 +101,7 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     }
     let row = |i: usize| light.direct[i].iter().chain(&light.indirect[i]).map(f32::to_string).collect();
     points.write(&args.output, &ANSWERS, row)?;
-    let lost = points_without_patches(&rows);
+    let lost = rows.as_ref().map_or(0, points_without_patches);
     if lost > 0 {
         session.warn(&format!(
             "{lost} of {} points lie on no patch or see none; their indirect light is 0",
@@ -109,10 +111,7 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let report = Report {
         backend,
         bounces: runtime::bounces_in_words(args.bounces.or(operator.bounces())),
-        transfer: match rows {
-            PointRows::Interpolated(_) => "interpolated",
-            PointRows::Gathered { .. } => "gathered",
-        },
+        transfer: if receivers.bounces() == 0 { "interpolated" } else { "gathered" },
         points: surface.len(),
         points_without_patches: lost,
         mean_direct: mean(&light.direct),
@@ -138,39 +137,39 @@ fn transfer_of(args: &Args, operator: &Operator) -> anyhow::Result<Transfer> {
     }
 }
 
-/// The points to evaluate, as the file has them and on the surface, and their rows over the patches.
-fn receivers(
+/// The points to evaluate and their rows over elements or patches; those of the bake's receivers are in the bake.
+fn points(
     args: &Args,
     transfer: Transfer,
     bake: &Bake,
     rays: &Rays,
     session: &Session,
-) -> anyhow::Result<(Points, Vec<SurfacePoint>, PointRows)> {
+) -> anyhow::Result<(Points, Option<PointRows>)> {
     let mesh = &bake.scene.mesh;
-    if let Some(path) = &args.points {
-        let points = Points::read(path, &ANSWERS)?;
-        let surface = relight::surface_points(mesh, &points.position, &points.normal);
-        let (patches, progress) = (&bake.patches, session.progress());
-        let rows = match transfer {
-            Transfer::Gather => {
-                let default = GatherParams::default();
-                let params = GatherParams { rays: args.gather_rays.unwrap_or(default.rays), ..default };
-                let need = transfer::gather_memory_needed(surface.len(), patches.len(), &params);
-                session.ask_memory("the last gather", need, "take the points in parts, or --transfer interpolate")?;
-                transfer::gather_for_points(patches, rays, &surface, &params, &progress)
-            }
-            Transfer::Interpolate => {
-                let params = transfer::Params::default();
-                PointRows::Interpolated(transfer::rows_for_points(patches, rays, &surface, &params, &progress))
-            }
-        };
-        return Ok((points, surface, rows));
-    }
-    let t = &bake.transfer;
-    let in_file_axes = |p: &[f32; 3]| std::array::from_fn(|a| f64::from(p[a]) + mesh.origin[a]);
-    let points = Points::new(t.position.iter().map(in_file_axes).collect(), t.normal.clone());
+    let Some(path) = &args.points else {
+        let t = &bake.transfer;
+        let in_file_axes = |p: &[f32; 3]| std::array::from_fn(|a| f64::from(p[a]) + mesh.origin[a]);
+        return Ok((Points::new(t.position.iter().map(in_file_axes).collect(), t.normal.clone()), None));
+    };
+    let points = Points::read(path, &ANSWERS)?;
     let surface = relight::surface_points(mesh, &points.position, &points.normal);
-    Ok((points, surface, PointRows::Interpolated(t.rows.clone())))
+    let (patches, elements, progress) = (&bake.patches, &bake.elements, session.progress());
+    let rows = match transfer {
+        Transfer::Gather => {
+            let default = GatherParams::default();
+            let params = GatherParams { rays: args.gather_rays.unwrap_or(default.rays), ..default };
+            let need = transfer::gather_memory_needed(surface.len(), elements.senders(), &params);
+            session.ask_memory("the last gather", need, "take the points in parts, or --transfer interpolate")?;
+            let senders = transfer::Senders { patches, elements, rays };
+            transfer::gather_for_points(&senders, &surface, &params, &progress)
+        }
+        Transfer::Interpolate => {
+            let params = transfer::Params::default();
+            let rows = transfer::interpolate_for_points(patches, rays, &surface, &params, &progress);
+            PointRows::Interpolated(rows)
+        }
+    };
+    Ok((points, Some(rows)))
 }
 
 /// Points whose rows are empty and that see no sky.
@@ -191,16 +190,15 @@ fn on_cpu(
     rig: &LightRig,
     rays: &Rays,
     points: &[SurfacePoint],
-    rows: &PointRows,
+    receivers: &Receivers,
     session: &Session,
 ) -> anyhow::Result<PointLight> {
-    let relighter = Relighter::new(&bake.scene, rays, &bake.patches, operator, bake.sky()?)?;
+    let relighter = Relighter::new(&bake.scene, rays, &bake.patches, &bake.elements, operator, bake.sky()?)?;
     let light = relighter.direct_light(rig);
     // A last gather is the last of the bounces.
-    let last = u32::from(matches!(rows, PointRows::Gathered { .. }));
-    let frame = frame(args.bounces.map(|k| k - last), bake, &relighter, &light, session)?;
+    let frame = frame(args.bounces.map(|k| k - receivers.bounces()), bake, &relighter, &light, session)?;
     let progress = session.progress();
-    Ok(relight::light_at_points(&light, points, rows, &bake.patches, &frame, &Samples::default(), &progress))
+    Ok(relight::light_at_points(&relighter, &light, points, receivers, &frame, &Samples::default(), &progress))
 }
 
 /// Light of the patches, all bounces or the first `bounces`, which may be none.

@@ -103,7 +103,9 @@ fn on_cpu(
 ) -> anyhow::Result<Image> {
     let rays = Rays::new(&bake.scene.mesh);
     let named = || args.bake.display().to_string();
-    let relighter = Relighter::new(&bake.scene, &rays, &bake.patches, operator, bake.sky()?).with_context(named)?;
+    let (scene, patches, elements) = (&bake.scene, &bake.patches, &bake.elements);
+    let relighter = Relighter::new(scene, &rays, patches, elements, operator, bake.sky()?).with_context(named)?;
+    let receivers = bake.receivers().with_context(named)?;
     let light = relighter.direct_light(rig);
     let progress = session.progress();
     let frame = relighter.frame(&light, &PatchSamples::default(), &progress);
@@ -114,6 +116,6 @@ fn on_cpu(
         parts: args.light.parts(),
         ..Look::default()
     };
-    let shown = Shown { bake: &relighter, transfer: &bake.transfer, light: &light, frame: &frame };
+    let shown = Shown { bake: &relighter, transfer: &bake.transfer, receivers: &receivers, light: &light, frame: &frame };
     Ok(relight::render(&shown, camera, &look, &progress))
 }

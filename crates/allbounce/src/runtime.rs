@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::Context;
-use radfile::{Container, Patches, Record, Transfer};
-use relight::{Operator, Parts};
+use radfile::{Container, Elements, Patches, Record, Transfer};
+use relight::{Operator, Parts, Receivers};
 use scene::{Camera, LightRig, Scene};
 
 use crate::{files, session::Session};
@@ -14,6 +14,7 @@ pub struct Bake {
     pub container: Container,
     pub scene: Scene,
     pub patches: Patches,
+    pub elements: Elements,
     pub transfer: Transfer,
 }
 
@@ -21,16 +22,23 @@ impl Bake {
     /// Opens a self-contained bake.
     pub fn open(path: &Path) -> anyhow::Result<Bake> {
         let container = files::open(path)?;
-        let read = || -> anyhow::Result<(Scene, Patches, Transfer)> {
-            Ok((Scene::read(&container)?, Patches::read(&container)?, Transfer::read(&container)?))
+        let read = || -> anyhow::Result<(Scene, Patches, Elements, Transfer)> {
+            let patches = Patches::read(&container)?;
+            let elements = Elements::read_or_whole(&container, &patches)?;
+            Ok((Scene::read(&container)?, patches, elements, Transfer::read(&container)?))
         };
-        let (scene, patches, transfer) = read().with_context(|| path.display().to_string())?;
-        Ok(Bake { container, scene, patches, transfer })
+        let (scene, patches, elements, transfer) = read().with_context(|| path.display().to_string())?;
+        Ok(Bake { container, scene, patches, elements, transfer })
     }
 
     /// The packed operator.
     pub fn operator(&self) -> anyhow::Result<Operator<'_>> {
         Ok(Operator::read(&self.container)?)
+    }
+
+    /// How light comes to the receivers.
+    pub fn receivers(&self) -> anyhow::Result<Receivers<'_>> {
+        Ok(Receivers::new(&self.transfer.weights, self.elements.senders())?)
     }
 
     /// What each patch sees of the sky.

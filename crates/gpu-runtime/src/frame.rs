@@ -6,19 +6,23 @@ use crate::{
     gather::{Gather, Mixture, RowTables},
     kernels::{Dispatch, Parametric},
     packed::Product,
-    patch_tables::PatchTables,
+    patch_tables::{ElementLightParams, PatchTables},
 };
 
 /// Vectors of patches and receivers, and the kernels that are bound to them. One frame at a time.
 pub struct FrameBuffers {
     /// Direct irradiance H⁰ of the patches.
     pub h0: wgpu::Buffer,
+    /// Radiosity of patches and elements, the senders of the last gather.
+    pub b: wgpu::Buffer,
     /// All bounces, and H.
     pub product: Product,
     /// Irradiance of the receivers of the fine mesh.
     pub received: wgpu::Buffer,
+    element_light: Parametric,
     mean: Parametric,
     send: Dispatch,
+    radiosity: Dispatch,
     gather: Parametric,
     /// One for each lamp of the frame that had most.
     pub lamps: Vec<wgpu::Buffer>,
@@ -36,15 +40,20 @@ impl FrameBuffers {
         rows: &RowTables,
         receivers: usize,
     ) -> Result<FrameBuffers> {
+        let element_h0 = patches.element_vectors(gpu, "direct light of elements")?;
         let h0 = patches.vectors(gpu, "direct light of patches")?;
+        let b = patches.sender_vectors(gpu, "radiosity of patches and elements")?;
         let received = rows.vectors(gpu, "light of receivers")?;
         Ok(FrameBuffers {
-            mean: patches.mean(gpu, &h0),
+            element_light: patches.element_light(gpu, &element_h0),
+            mean: gather.prepare(gpu, &patches.means, &element_h0, &patches.element_sky, &h0),
+            radiosity: patches.radiosity(gpu, [&element_h0, &product.h], &b),
             send: patches.send(gpu, &h0, &product.x),
             gather: gather.prepare(gpu, rows, &product.h, &patches.sky, &received),
             lamps: Vec::new(),
             back: [patches.count, patches.count, receivers].map(|count| gpu.way_back(count)),
             h0,
+            b,
             received,
             product,
         })
@@ -56,9 +65,15 @@ impl FrameBuffers {
         gpu.queue.write_buffer(&self.h0, 0, bytemuck::cast_slice(&wide));
     }
 
-    /// H⁰ from the light of the sample points; `sky` is π L.
+    /// H⁰ of elements and patches from the light of the sample points; `sky` is π L.
     pub fn mean(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, patches: &PatchTables, sky: [f32; 3]) {
-        self.mean.run(gpu, encoder, &patches.mean_params(sky));
+        self.element_light.run(gpu, encoder, &ElementLightParams { sky: vec4(sky, 0.0) });
+        self.mean.run(gpu, encoder, &Mixture::LIGHT.params(&patches.means));
+    }
+
+    /// B of patches and elements from H⁰ of the elements and H of the patches.
+    pub fn radiosity(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.radiosity.run(encoder);
     }
 
     /// x from H⁰.

@@ -17,7 +17,7 @@ pub const DIRECT: &str = concat!(
     include_str!("../../../shaders/lamp.wgsl"),
     include_str!("../../../shaders/direct.wgsl")
 );
-pub const PATCH_LIGHT: &str = include_str!("../../../shaders/patch_light.wgsl");
+pub const ELEMENT_LIGHT: &str = include_str!("../../../shaders/element_light.wgsl");
 pub const SENDERS: &str = include_str!("../../../shaders/senders.wgsl");
 pub const RADIOSITY: &str = include_str!("../../../shaders/radiosity.wgsl");
 pub const PRODUCT_SAMPLED: &str =
@@ -171,7 +171,7 @@ mod tests {
         hierarchical::{Panel, ScatterParams, Term},
         lamp::Lamp,
         operator::ProductParams,
-        patch_tables::PatchLightParams,
+        patch_tables::ElementLightParams,
         picture::{CameraUniform, MaterialUniform, ShadeParams},
         view::View,
     };
@@ -179,7 +179,7 @@ mod tests {
     const ALL: [(&str, &str); 16] = [
         ("shadow_map", SHADOW_MAP),
         ("direct", DIRECT),
-        ("patch_light", PATCH_LIGHT),
+        ("element_light", ELEMENT_LIGHT),
         ("senders", SENDERS),
         ("radiosity", RADIOSITY),
         ("product sampled", PRODUCT_SAMPLED),
@@ -253,12 +253,7 @@ mod tests {
 
     #[test]
     fn parameters_of_kernels_match_their_host_structs() {
-        same_layout!(
-            PATCH_LIGHT,
-            "PatchLightParams",
-            PatchLightParams,
-            [patch_count, samples, unused_a, unused_b, sky]
-        );
+        same_layout!(ELEMENT_LIGHT, "ElementLightParams", ElementLightParams, [sky]);
         for source in [PRODUCT_SAMPLED, PRODUCT_STORED] {
             same_layout!(
                 source,

@@ -1,24 +1,21 @@
-//! What the GPU knows of the patches: sample points, factors, the sky they see; and small kernels.
+//! What the GPU knows of the patches and their elements: sample points, factors, the sky they see; and small kernels.
 
 use bytemuck::{Pod, Zeroable};
-use radfile::Patches;
-use scene::{PatchSampler, Sobol, hash};
+use radfile::{Elements, Mesh, Patches, Rows};
+use scene::ElementPoints;
 
 use crate::{
     Gpu, Result,
     buffers::vec4,
+    gather::RowTables,
     kernels::{self, Dispatch, Kernel, Parametric},
     shadows::Points,
 };
 
-/// See `shaders/patch_light.wgsl`.
+/// See `shaders/element_light.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
-pub struct PatchLightParams {
-    pub patch_count: u32,
-    pub samples: u32,
-    pub unused_a: u32,
-    pub unused_b: u32,
+pub struct ElementLightParams {
     pub sky: [f32; 4],
 }
 
@@ -26,14 +23,25 @@ pub struct PatchLightParams {
 pub struct PatchTables {
     /// Number of patches.
     pub count: usize,
-    samples: u32,
-    /// Sample points, those of one patch together.
+    /// Number of elements.
+    pub elements: usize,
+    /// Sample points, those of one element together.
     pub points: Points,
     /// ρ and √A of each patch.
     pub factors: wgpu::Buffer,
     /// What each patch sees of the sky.
     pub sky: wgpu::Buffer,
-    patch_light: Kernel,
+    /// The mean of its elements for each patch.
+    pub means: RowTables,
+    /// Where the sample points of each element start and end.
+    range: wgpu::Buffer,
+    /// Where the elements of each patch start.
+    start: wgpu::Buffer,
+    /// ρ of each element and its share of its patch.
+    element_factors: wgpu::Buffer,
+    /// What the patch of each element sees of the sky.
+    pub element_sky: wgpu::Buffer,
+    element_light: Kernel,
     senders: Kernel,
     radiosity: Kernel,
 }
@@ -41,26 +49,31 @@ pub struct PatchTables {
 const FEWER: &str = "bake fewer patches or take fewer samples on each";
 
 impl PatchTables {
-    /// Draws the sample points and uploads everything.
-    pub fn new(gpu: &Gpu, patches: &Patches, sky: &[f32], samples: u32, seed: u32) -> Result<PatchTables> {
+    /// Uploads everything; `samples` points are drawn on each patch if its elements have none.
+    pub fn new(
+        gpu: &Gpu,
+        patches: &Patches,
+        elements: &Elements,
+        sky: &[f32],
+        mesh: &Mesh,
+        samples: u32,
+    ) -> Result<PatchTables> {
         let count = patches.len();
         gpu.check_storage("the sample points of patches", 16 * count as u64 * u64::from(samples), FEWER)?;
-        let sampler = PatchSampler::new(patches);
-        let (mut position, mut normal) = (Vec::new(), Vec::new());
-        for patch in 0..count {
-            let sobol = Sobol::new(hash(seed, patch as u32));
-            for s in 0..samples {
-                let [x, y, ..] = sobol.sample(s);
-                let point = sampler.point(patch, x, y);
-                position.push(vec4(point.position.to_array(), 1.0));
-                normal.push(vec4(point.normal.to_array(), 0.0));
-            }
-        }
+        let points = ElementPoints::new(mesh, patches, elements, samples);
+        let position: Vec<[f32; 4]> = points.points.iter().map(|p| vec4(p.position.to_array(), 1.0)).collect();
+        let normal: Vec<[f32; 4]> = points.points.iter().map(|p| vec4(p.normal.to_array(), 0.0)).collect();
+        let range: Vec<[u32; 2]> =
+            (0..elements.len()).map(|e| points.of(e)).map(|r| [r.start as u32, r.end as u32]).collect();
         let factors: Vec<[f32; 4]> =
             patches.reflectance.iter().zip(&patches.area).map(|(&rho, area)| vec4(rho, area.sqrt())).collect();
+        let means = means(elements);
+        let element_factors: Vec<[f32; 4]> =
+            elements.reflectance.iter().zip(&means.weight).map(|(&rho, &share)| vec4(rho, share)).collect();
+        let element_sky: Vec<f32> = (0..count).flat_map(|p| elements.of(p).map(move |_| sky[p])).collect();
         Ok(PatchTables {
             count,
-            samples,
+            elements: elements.len(),
             points: Points {
                 count: position.len(),
                 irradiance: gpu.vectors("light of sample points", position.len(), FEWER)?,
@@ -69,7 +82,12 @@ impl PatchTables {
             },
             factors: gpu.storage("patches", &factors, FEWER)?,
             sky: gpu.storage("sky of patches", sky, FEWER)?,
-            patch_light: gpu.kernel("patch_light", kernels::PATCH_LIGHT),
+            means: RowTables::new(gpu, &means, elements.len())?,
+            range: gpu.storage("ranges of elements", &range, FEWER)?,
+            start: gpu.storage("elements of patches", &elements.start, FEWER)?,
+            element_factors: gpu.storage("elements", &element_factors, FEWER)?,
+            element_sky: gpu.storage("sky of elements", &element_sky, FEWER)?,
+            element_light: gpu.kernel("element_light", kernels::ELEMENT_LIGHT),
             senders: gpu.kernel("senders", kernels::SENDERS),
             radiosity: gpu.kernel("radiosity", kernels::RADIOSITY),
         })
@@ -80,18 +98,18 @@ impl PatchTables {
         gpu.vectors(what, self.count, FEWER)
     }
 
-    /// H⁰ from the light of the sample points.
-    pub fn mean(&self, gpu: &Gpu, h0: &wgpu::Buffer) -> Parametric {
-        let uniform = gpu.uniform("patch light", &self.mean_params([0.0; 3]));
-        let buffers = [&uniform, &self.points.irradiance, &self.sky, h0].map(|b| b.as_entire_binding());
-        let dispatch = self.patch_light.prepare_each(gpu, &buffers, self.count);
-        Parametric::new(uniform, dispatch)
+    /// A vector for each element.
+    pub fn element_vectors(&self, gpu: &Gpu, what: &'static str) -> Result<wgpu::Buffer> {
+        gpu.vectors(what, self.elements, FEWER)
     }
 
-    /// Parameters of [`PatchTables::mean`]; `sky` is π L.
-    pub fn mean_params(&self, sky: [f32; 3]) -> PatchLightParams {
-        let (patch_count, samples) = (self.count as u32, self.samples);
-        PatchLightParams { patch_count, samples, sky: vec4(sky, 0.0), ..Default::default() }
+    /// H⁰ of the elements from the light of the sample points.
+    pub fn element_light(&self, gpu: &Gpu, h0: &wgpu::Buffer) -> Parametric {
+        let uniform = gpu.uniform("element light", &ElementLightParams::default());
+        let buffers = [&uniform, &self.points.irradiance, &self.range, &self.element_sky, h0];
+        let dispatch =
+            self.element_light.prepare_each(gpu, &buffers.map(|b| b.as_entire_binding()), self.elements);
+        Parametric::new(uniform, dispatch)
     }
 
     /// x = √A ρ H⁰.
@@ -100,15 +118,27 @@ impl PatchTables {
         self.senders.prepare_each(gpu, &buffers, self.count)
     }
 
-    /// B = ρ (H⁰ + H) for `arriving` = [H⁰, H].
-    pub fn radiosity(
-        &self,
-        gpu: &Gpu,
-        encoder: &mut wgpu::CommandEncoder,
-        arriving: [&wgpu::Buffer; 2],
-        b: &wgpu::Buffer,
-    ) {
-        let buffers = [&self.factors, arriving[0], arriving[1], b].map(|b| b.as_entire_binding());
-        self.radiosity.each(gpu, encoder, &buffers, self.count);
+    /// A vector for each sender of the last gather.
+    pub fn sender_vectors(&self, gpu: &Gpu, what: &'static str) -> Result<wgpu::Buffer> {
+        gpu.vectors(what, self.count + self.elements, FEWER)
     }
+
+    /// B = ρ (H⁰ + H) of patches and elements for `arriving` = H⁰ of the elements, H of the patches.
+    pub fn radiosity(&self, gpu: &Gpu, arriving: [&wgpu::Buffer; 2], b: &wgpu::Buffer) -> Dispatch {
+        let buffers = [&self.element_factors, &self.start, arriving[0], arriving[1], b];
+        self.radiosity.prepare_each(gpu, &buffers.map(|b| b.as_entire_binding()), self.count)
+    }
+}
+
+/// For each patch the mean of its elements by area.
+fn means(elements: &Elements) -> Rows {
+    let mut rows = Rows { row_start: vec![0], ..Rows::default() };
+    for patch in 0..elements.patches() {
+        let own = elements.of(patch);
+        let area: f32 = elements.area[own.clone()].iter().sum();
+        rows.weight.extend(elements.area[own.clone()].iter().map(|a| a / area));
+        rows.patch.extend(own.map(|e| e as u32));
+        rows.row_start.push(rows.patch.len() as u32);
+    }
+    rows
 }

@@ -341,7 +341,7 @@ fn receivers_of(patches: &Patches, transfer: &Transfer, fine: usize) -> [u32; 6]
             return own;
         }
         let patch = patches.locator.patch_at(face_id(mesh.source[fine], side), middle.to_array());
-        [patch.map_or(NO_RECEIVER, |p| transfer.rows.len() as u32 + p); 3]
+        [patch.map_or(NO_RECEIVER, |p| transfer.receivers() as u32 + p); 3]
     };
     let ([a, b, c], [d, e, f]) = (side(Side::Front), side(Side::Back));
     [a, b, c, d, e, f]

@@ -6,7 +6,7 @@ use std::{
 };
 
 use glam::DVec3;
-use radfile::{Patches, PointRows, Rows, Transfer};
+use radfile::{Elements, Patches, PointRows, Rows, Transfer, Weights};
 use scene::{Camera, LightRig, Scene};
 use serde::Serialize;
 
@@ -28,7 +28,7 @@ use crate::{
 /// How frames are made.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Params {
-    /// Points on each patch that direct light is averaged over.
+    /// Points on each patch that direct light is averaged over, where its elements have none of their own.
     pub patch_samples: u32,
     /// Edge of a shadow map, texels. A map of a point on an area light has half of it.
     pub shadow_resolution: u32,
@@ -129,6 +129,7 @@ impl GpuRuntime {
         gpu: &Gpu,
         scene: &Scene,
         patches: &Patches,
+        elements: &Elements,
         packed: impl Into<Packed<'a>>,
         sky: &[f32],
         transfer: &Transfer,
@@ -137,6 +138,7 @@ impl GpuRuntime {
         let (n, packed) = (patches.len(), packed.into());
         same_count("the packed operator", packed.patches(), n)?;
         same_count("the sky visibility", sky.len(), n)?;
+        same_count("the elements", elements.patches(), n)?;
         let shape = |e: radfile::Error| Error::Shape { what: e.to_string() };
         transfer.check(n, scene.mesh.triangles.len()).map_err(shape)?;
         for (name, value) in [("patch_samples", params.patch_samples), ("pixel_detail", params.pixel_detail)] {
@@ -153,20 +155,23 @@ impl GpuRuntime {
             light_samples: params.light_samples,
             resolution: params.shadow_resolution,
         };
-        let tables = PatchTables::new(gpu, patches, sky, params.patch_samples, params.seed)?;
+        let tables = PatchTables::new(gpu, patches, elements, sky, &scene.mesh, params.patch_samples)?;
         let h = tables.vectors(gpu, "indirect light of patches")?;
         let product = Product::new(gpu, packed, sampled, &tables.factors, h)?;
         let (gather, operator_bytes) = (Gather::new(gpu), product.bytes);
-        let rows = RowTables::new(gpu, &with_patches(&transfer.rows, n), n)?;
-        let frame = FrameBuffers::new(gpu, &tables, product, &gather, &rows, transfer.rows.len())?;
+        let Weights::Interpolated(weights) = &transfer.weights else {
+            return Err(Error::Input { what: "gathered receivers are not on the GPU yet; use --backend cpu".into() });
+        };
+        let rows = RowTables::new(gpu, &with_patches(weights, n), n)?;
+        let frame = FrameBuffers::new(gpu, &tables, product, &gather, &rows, transfer.receivers())?;
         let runtime = GpuRuntime {
             report: Report {
                 adapter: gpu.adapter().to_string(),
                 decode: if sampled { Decode::Sampled } else { Decode::Stored },
                 sampler_bias,
                 patches: n,
-                sample_points: n * params.patch_samples as usize,
-                receivers: transfer.rows.len(),
+                sample_points: tables.points.count,
+                receivers: transfer.receivers(),
                 emitters: studio.emitters.len(),
                 operator_bytes,
             },
@@ -298,7 +303,11 @@ impl GpuRuntime {
             return Err(Error::Shape { what: format!("{count} points have {} shares of the sky", sky.len()) });
         }
         let (gpu, lamps) = (&self.gpu, self.studio.lamps(rig)?);
-        let tables = RowTables::new(gpu, rows.rows(), self.patches.count)?;
+        let senders = match rows {
+            PointRows::Interpolated(_) => self.patches.count,
+            PointRows::Gathered { .. } => self.patches.count + self.patches.elements,
+        };
+        let tables = RowTables::new(gpu, rows.rows(), senders)?;
         let wide = |values: &[[f32; 3]], w| values.iter().map(|&v| vec4(v, w)).collect::<Vec<_>>();
         let points = Points {
             position: gpu.storage("points", &wide(position, 1.0), "take the points in parts")?,
@@ -316,14 +325,13 @@ impl GpuRuntime {
         frame.bounce(&mut encoder);
         let indirect = tables.vectors(gpu, "indirect light of points")?;
         let light = match rows {
-            PointRows::Interpolated(_) => frame.product.h.clone(),
+            PointRows::Interpolated(_) => &frame.product.h,
             PointRows::Gathered { .. } => {
-                let b = self.patches.vectors(gpu, "radiosity of patches")?;
-                self.patches.radiosity(gpu, &mut encoder, [&frame.h0, &frame.product.h], &b);
-                b
+                frame.radiosity(&mut encoder);
+                &frame.b
             }
         };
-        self.gather_into(&mut encoder, &tables, Mixture::LIGHT, &light, &indirect);
+        self.gather_into(&mut encoder, &tables, Mixture::LIGHT, light, &indirect);
         let downloads = [&points.irradiance, &indirect].map(|b| gpu.download(&mut encoder, b, count));
         let [mut direct, indirect] = gpu.finish(encoder, downloads)?;
         if let PointRows::Gathered { sky: seen, .. } = rows {

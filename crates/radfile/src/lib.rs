@@ -7,7 +7,7 @@
 //!
 //! Start at [`Container`] to read, at [`Builder`] to write, and at the records
 //! ([`Mesh`], [`Materials`], [`Patches`], [`FormFactors`], [`Operator`],
-//! [`Permutation`], [`PackedOperator`], [`HierarchicalOperator`], [`Transfer`],
+//! [`Permutation`], [`PackedOperator`], [`HierarchicalOperator`], [`Elements`], [`Transfer`],
 //! [`Lightmap`]) for what the sections mean.
 //! The byte layout is specified in `formats/rad.md`.
 //!
@@ -43,9 +43,11 @@ mod components;
 mod container;
 mod diff;
 mod element;
+mod elements;
 mod error;
 mod foreign;
 mod form_factors;
+mod gathered;
 mod half;
 mod hierarchical;
 mod layout;
@@ -70,8 +72,10 @@ pub use components::Groups;
 pub use container::{Container, Section};
 pub use diff::{Report, SectionDiff, Tolerance, Verdict, diff};
 pub use element::{Element, ElementType};
+pub use elements::Elements;
 pub use error::{Error, Result};
 pub use form_factors::{FormFactors, read_sky};
+pub use gathered::{GatherCertificate, Gathered};
 pub use half::{Colour, ColourBlock, MOST_PATCHES, NO_COMPONENT, half_blocks, rounded, unit_of};
 pub use hierarchical::{Certificate, HierarchicalOperator, Kernel};
 pub use layout::{FLAG_PATCH_ORDER, FLAG_REQUIRED, IDENTIFIER, VERSION};
@@ -87,5 +91,5 @@ pub use patches::{Patches, Piece};
 pub use permutation::Permutation;
 pub use progress::{Progress, Quiet};
 pub use provenance::{Provenance, Step, digest};
-pub use record::{Record, SECTIONS, is_packed_operator, outlasts_packing};
-pub use transfer::{FineMesh, NO_RECEIVER, PointRows, Rows, Transfer};
+pub use record::{Record, SECTIONS, bounces_held, is_packed_operator, outlasts_packing};
+pub use transfer::{FineMesh, NO_RECEIVER, PointRows, Rows, Transfer, Weights};

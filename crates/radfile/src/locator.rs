@@ -21,6 +21,22 @@ impl CellKey {
         CellKey(i | j << BITS | k << (2 * BITS))
     }
 
+    /// The cell of a grid that a point lies in; `origin` is the lower corner of cell (0, 0, 0).
+    pub fn of(origin: [f32; 3], edge: f32, point: [f32; 3]) -> CellKey {
+        CellKey::new(std::array::from_fn(|a| ((point[a] - origin[a]) / edge).floor() as i64))
+    }
+
+    /// Squared distance from a point to the box of the cell, in cells.
+    pub fn distance_squared(self, origin: [f32; 3], edge: f32, point: [f32; 3]) -> f32 {
+        let cell = self.cell();
+        (0..3)
+            .map(|a| {
+                let x = (point[a] - origin[a]) / edge - cell[a] as f32;
+                (x - x.clamp(0.0, 1.0)).powi(2)
+            })
+            .sum()
+    }
+
     /// The three cell numbers.
     pub fn cell(self) -> [i64; 3] {
         let part = |shift: u32| (self.0 >> shift & (EXTENT as u64 - 1)) as i64;
@@ -82,13 +98,13 @@ impl PatchLocator {
     pub fn patch_at(&self, face: u32, point: [f32; 3]) -> Option<u32> {
         let range = self.face_start[face as usize] as usize..self.face_start[face as usize + 1] as usize;
         let (keys, patches) = (&self.cell_key[range.clone()], &self.cell_patch[range]);
-        match (patches, keys.binary_search(&CellKey::new(self.cell_of(point)).0)) {
+        match (patches, keys.binary_search(&CellKey::of(self.grid_origin, self.cell_size, point).0)) {
             ([], _) => None,
             ([only], _) => Some(self.follow(*only, point)),
             (_, Ok(at)) => Some(self.follow(patches[at], point)),
             (_, Err(_)) => {
                 let nearest = (0..keys.len()).min_by(|&a, &b| {
-                    let distance = |i: usize| self.distance_to_cell(CellKey(keys[i]), point);
+                    let distance = |i: usize| CellKey(keys[i]).distance_squared(self.grid_origin, self.cell_size, point);
                     distance(a).total_cmp(&distance(b))
                 });
                 nearest.map(|at| self.follow(patches[at], point))
@@ -145,16 +161,5 @@ impl PatchLocator {
             to.face_start.push(to.cell_key.len() as u32);
         }
         to
-    }
-
-    /// Squared distance from a point to the box of a cell, in cells.
-    fn distance_to_cell(&self, key: CellKey, point: [f32; 3]) -> f32 {
-        let cell = key.cell();
-        (0..3)
-            .map(|a| {
-                let x = (point[a] - self.grid_origin[a]) / self.cell_size - cell[a] as f32;
-                (x - x.clamp(0.0, 1.0)).powi(2)
-            })
-            .sum()
     }
 }

@@ -1,6 +1,6 @@
 //! The list of sections that this version knows, and what a typed record is.
 
-use crate::{Builder, Container, Error, HierarchicalOperator, Operator, PackedOperator, Result};
+use crate::{Builder, Certificate, Container, Error, HierarchicalOperator, Operator, PackedOperator, Packing, Result};
 
 /// Every section of this version and the stage that writes it.
 /// The same list, with element types, shapes and meaning, stands in `formats/rad.md` §4; a test compares the two.
@@ -51,11 +51,25 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("pack.half_core", "dxt-pack"),
     ("hmatrix.meta", "hmatrix"),
     ("hmatrix.blocks", "hmatrix"),
+    ("elements.start", "transfer"),
+    ("elements.area", "transfer"),
+    ("elements.reflectance", "transfer"),
+    ("elements.point_start", "transfer"),
+    ("elements.point", "transfer"),
+    ("elements.point_face", "transfer"),
+    ("elements.grid_origin", "transfer"),
+    ("elements.edge", "transfer"),
+    ("elements.cell_start", "transfer"),
+    ("elements.cell_key", "transfer"),
+    ("elements.cell_element", "transfer"),
     ("transfer.position", "transfer"),
     ("transfer.normal", "transfer"),
     ("transfer.row_start", "transfer"),
     ("transfer.patch", "transfer"),
     ("transfer.weight", "transfer"),
+    ("transfer.gather_meta", "transfer"),
+    ("transfer.gather", "transfer"),
+    ("transfer.sky", "transfer"),
     ("transfer.fine_vertex", "transfer"),
     ("transfer.fine_triangle", "transfer"),
     ("transfer.fine_source", "transfer"),
@@ -94,6 +108,20 @@ const SINCE: [&[&str]; 3] = [
         "lightmap.normal",
         "lightmap.triangle",
         "lightmap.receiver",
+        "elements.start",
+        "elements.area",
+        "elements.reflectance",
+        "elements.point_start",
+        "elements.point",
+        "elements.point_face",
+        "elements.grid_origin",
+        "elements.edge",
+        "elements.cell_start",
+        "elements.cell_key",
+        "elements.cell_element",
+        "transfer.gather_meta",
+        "transfer.gather",
+        "transfer.sky",
     ],
 ];
 
@@ -112,6 +140,21 @@ pub fn is_packed_operator(section: &str) -> bool {
 pub fn outlasts_packing(section: &str, keep_dense: bool) -> bool {
     let dense = section.starts_with(Operator::PREFIX) || section == "formfactor.values";
     !is_packed_operator(section) && (keep_dense || !dense)
+}
+
+/// The highest bounce of a container's operator, packed or dense; `None` if it holds all, or there is no operator.
+///
+/// # Errors
+///
+/// Metadata that cannot be read.
+pub fn bounces_held(container: &Container) -> Result<Option<u32>> {
+    if container.has("hmatrix.meta") {
+        return Ok(container.meta::<Certificate>("hmatrix.meta")?.bounces);
+    }
+    if container.has("pack.meta") {
+        return Ok(container.meta::<Packing>("pack.meta")?.bounces);
+    }
+    Ok(if container.has("series.meta") { Operator::read(container)?.bounces } else { None })
 }
 
 /// The stage that writes a section, if this version knows it.

@@ -1,15 +1,18 @@
-//! Weights that carry irradiance from patches to receivers, and the finer mesh whose vertices receive.
+//! How light comes from patches to receivers, and the finer mesh whose vertices receive.
 
-use crate::{Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, Result, patches::check_offsets};
+use crate::{
+    Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Gathered, Record, Result, patches::check_offsets,
+};
 
-/// Sparse rows: one a receiver, entries are (patch, weight).
+/// Sparse rows: one a receiver, entries are (sender, weight).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rows {
     /// Receivers + 1 offsets into the two tables below.
     pub row_start: Vec<u32>,
-    /// Sender patch of each entry.
+    /// Sender of each entry: a patch where irradiance is interpolated, a sender of a gather where
+    /// radiosity is.
     pub patch: Vec<u32>,
-    /// Its weight; a row sums to 1, or is empty where the receiver sees no patch.
+    /// Its weight.
     pub weight: Vec<f32>,
 }
 
@@ -30,14 +33,10 @@ impl Rows {
         self.patch[range.clone()].iter().map(|&p| p as usize).zip(self.weight[range].iter().copied())
     }
 
-    /// Irradiance at every receiver from irradiance of the patches.
-    pub fn gather(&self, patches: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        (0..self.len())
-            .map(|receiver| {
-                self.row(receiver)
-                    .fold([0.0; 3], |sum, (patch, weight)| std::array::from_fn(|c| sum[c] + weight * patches[patch][c]))
-            })
-            .collect()
+    /// What arrives at every receiver of the light of the senders.
+    pub fn gather(&self, light: &[[f32; 3]]) -> Vec<[f32; 3]> {
+        let add = |sum: [f32; 3], (sender, weight): (usize, f32)| std::array::from_fn(|c| sum[c] + weight * light[sender][c]);
+        (0..self.len()).map(|receiver| self.row(receiver).fold([0.0; 3], add)).collect()
     }
 }
 
@@ -49,7 +48,7 @@ pub enum PointRows {
     /// From all that each point sees: the rows are its form factors and weigh radiosity; with the sky they sum to at
     /// most 1.
     Gathered {
-        /// Form factors of the points, row = point, column = patch.
+        /// Form factors of the points, row = point, column = sender of a gather ([`crate::Elements`]).
         rows: Rows,
         /// What each point sees of the sky.
         sky: Vec<f32>,
@@ -81,6 +80,22 @@ pub struct FineMesh {
     pub receiver: Vec<[[u32; 3]; 2]>,
 }
 
+/// How light comes to the receivers of a bake.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Weights {
+    /// From patches around each receiver: the rows weigh irradiance; each sums to 1, or is empty where the receiver sees
+    /// no patch.
+    Interpolated(Rows),
+    /// From all that each receiver sees: packed form factors that weigh radiosity.
+    Gathered(Gathered),
+}
+
+impl Default for Weights {
+    fn default() -> Weights {
+        Weights::Interpolated(Rows::default())
+    }
+}
+
 /// Receivers of a bake: the sides of the vertices of the fine mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Transfer {
@@ -88,13 +103,18 @@ pub struct Transfer {
     pub position: Vec<[f32; 3]>,
     /// The direction it faces.
     pub normal: Vec<[f32; 3]>,
-    /// Weights of the patches.
-    pub rows: Rows,
+    /// How light comes to it.
+    pub weights: Weights,
     /// The mesh whose corners they are.
     pub fine: FineMesh,
 }
 
 impl Transfer {
+    /// Number of receivers.
+    pub fn receivers(&self) -> usize {
+        self.position.len()
+    }
+
     /// Checks numbers, counts and indices, those of senders against `patch_count` patches and those of sources
     /// against `triangle_count` triangles of the mesh.
     ///
@@ -117,8 +137,15 @@ impl Transfer {
 
     fn check_rows(&self, patch_count: usize) -> Result<()> {
         let broken = |what: String| Err(Error::invariant("transfer", what));
-        let rows = &self.rows;
-        check_offsets("transfer", "row_start", &rows.row_start, self.position.len(), rows.patch.len())?;
+        let rows = match &self.weights {
+            Weights::Interpolated(rows) => rows,
+            Weights::Gathered(gathered) if gathered.sky.len() != self.receivers() => {
+                let (found, expected) = (gathered.sky.len(), self.receivers());
+                return broken(format!("{found} shares of the sky, expected one for each of {expected} receivers"));
+            }
+            Weights::Gathered(_) => return Ok(()), // the stream is checked where it is read
+        };
+        check_offsets("transfer", "row_start", &rows.row_start, self.receivers(), rows.patch.len())?;
         if let Some(e) = rows.patch.iter().position(|&p| p as usize >= patch_count) {
             return broken(format!("entry {e} names patch {}, there are {patch_count}", rows.patch[e]));
         }
@@ -135,7 +162,7 @@ impl Transfer {
 
     fn check_fine_mesh(&self, triangle_count: usize) -> Result<()> {
         let broken = |what: String| Err(Error::invariant("transfer", what));
-        let (fine, receivers) = (&self.fine, self.position.len());
+        let (fine, receivers) = (&self.fine, self.receivers());
         if let Some(v) = fine.vertex.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
             return broken(format!("fine vertex {v} is {:?}, expected finite numbers", fine.vertex[v]));
         }
@@ -166,18 +193,17 @@ impl<'a> Record<'a> for Transfer {
         let vectors = |name| -> Result<Vec<[f32; 3]>> {
             Ok(c.array_of::<f32>(name, &[Some(receivers), Some(3)])?.as_chunks().0.to_vec())
         };
-        let patch = c.array_of::<u32>("transfer.patch", &[None])?;
+        let weights = match Gathered::is_in(c, Self::PREFIX) {
+            true => Weights::Gathered(Gathered::read(c, Self::PREFIX, receivers)?),
+            false => Weights::Interpolated(read_rows(c, receivers)?),
+        };
         let source = c.array_of::<u32>("transfer.fine_source", &[None])?;
         let triangles = Some(source.len());
         let receiver = c.array_of::<u32>("transfer.fine_receiver", &[triangles, Some(2), Some(3)])?;
         let transfer = Transfer {
             position: vectors("transfer.position")?,
             normal: vectors("transfer.normal")?,
-            rows: Rows {
-                row_start: c.array_of::<u32>("transfer.row_start", &[Some(receivers + 1)])?.to_vec(),
-                patch: patch.to_vec(),
-                weight: c.array_of::<f32>("transfer.weight", &[Some(patch.len())])?.to_vec(),
-            },
+            weights,
             fine: FineMesh {
                 vertex: c.array_of::<f32>("transfer.fine_vertex", &[None, Some(3)])?.as_chunks().0.to_vec(),
                 triangle: c.array_of::<u32>("transfer.fine_triangle", &[triangles, Some(3)])?.as_chunks().0.to_vec(),
@@ -192,17 +218,33 @@ impl<'a> Record<'a> for Transfer {
     }
 
     fn write<'b>(&'b self, b: &mut Builder<'b>) {
-        const BOUND: u32 = FLAG_REQUIRED | FLAG_PATCH_ORDER;
-        let (rows, fine) = (&self.rows, &self.fine);
-        b.array("transfer.position", FLAG_REQUIRED, &[self.position.len(), 3], self.position.as_flattened());
-        b.array("transfer.normal", FLAG_REQUIRED, &[self.normal.len(), 3], self.normal.as_flattened());
-        b.array("transfer.row_start", FLAG_REQUIRED, &[rows.row_start.len()], &rows.row_start[..]);
-        b.array("transfer.patch", BOUND, &[rows.patch.len()], &rows.patch[..]);
-        b.array("transfer.weight", BOUND, &[rows.weight.len()], &rows.weight[..]);
+        let fine = &self.fine;
+        b.array("transfer.position", FLAG_REQUIRED, &[self.receivers(), 3], self.position.as_flattened());
+        b.array("transfer.normal", FLAG_REQUIRED, &[self.receivers(), 3], self.normal.as_flattened());
+        match &self.weights {
+            Weights::Interpolated(rows) => write_rows(rows, b),
+            Weights::Gathered(gathered) => gathered.write(b, Self::PREFIX),
+        }
         b.array("transfer.fine_vertex", FLAG_REQUIRED, &[fine.vertex.len(), 3], fine.vertex.as_flattened());
         b.array("transfer.fine_triangle", FLAG_REQUIRED, &[fine.triangle.len(), 3], fine.triangle.as_flattened());
         b.array("transfer.fine_source", FLAG_REQUIRED, &[fine.source.len()], &fine.source[..]);
         let receiver = fine.receiver.as_flattened().as_flattened();
         b.array("transfer.fine_receiver", FLAG_REQUIRED, &[fine.receiver.len(), 2, 3], receiver);
     }
+}
+
+fn read_rows(c: &Container, receivers: usize) -> Result<Rows> {
+    let sender = c.array_of::<u32>("transfer.patch", &[None])?;
+    Ok(Rows {
+        row_start: c.array_of::<u32>("transfer.row_start", &[Some(receivers + 1)])?.to_vec(),
+        patch: sender.to_vec(),
+        weight: c.array_of::<f32>("transfer.weight", &[Some(sender.len())])?.to_vec(),
+    })
+}
+
+fn write_rows<'b>(rows: &'b Rows, b: &mut Builder<'b>) {
+    const BOUND: u32 = FLAG_REQUIRED | FLAG_PATCH_ORDER;
+    b.array("transfer.row_start", FLAG_REQUIRED, &[rows.row_start.len()], &rows.row_start[..]);
+    b.array("transfer.patch", BOUND, &[rows.patch.len()], &rows.patch[..]);
+    b.array("transfer.weight", BOUND, &[rows.weight.len()], &rows.weight[..]);
 }

@@ -17,6 +17,17 @@ pub enum Error {
         /// Number of patches.
         expected: usize,
     },
+    /// Packed rows of another bake.
+    #[error(
+        "the packed rows are of {} receivers and {} senders, the bake has {} and {}; run transfer again",
+        found[0], found[1], expected[0], expected[1]
+    )]
+    Rows {
+        /// Receivers and senders of the rows.
+        found: [usize; 2],
+        /// Those of the bake.
+        expected: [usize; 2],
+    },
     /// A section that is missing or broken.
     #[error(transparent)]
     Container(#[from] radfile::Error),

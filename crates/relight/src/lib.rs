@@ -4,9 +4,10 @@
 //! a transfer to what is looked at. Start at [`Relighter`], which ties a bake together:
 //!
 //! - [`DirectLight`]: irradiance of all lights of a rig at any point, with shadow rays.
-//! - [`patch_irradiance`]: the same, averaged over patches.
+//! - [`element_irradiance`]: the same, averaged over elements of patches.
 //! - [`Operator`]: the packed operator of a bake and its product; [`Bounces`]: all bounces of a frame at once.
 //! - [`bounces`]: the first k bounces, where the form factors are still there.
+//! - [`Receivers`]: the receivers of a bake, ready for frames.
 //! - [`light_at_points`], [`render`], [`tone_map`]: what is made of it.
 //!
 //! This is the definition that the GPU's answers are held against. Every function gives the same
@@ -22,6 +23,7 @@ mod patch_light;
 mod points;
 mod polygon;
 mod product;
+mod receivers;
 mod relighter;
 mod render;
 mod textures;
@@ -32,9 +34,10 @@ pub use bounces::bounces;
 pub use direct::{DirectLight, Samples};
 pub use error::{Error, Result};
 pub use operator::{Operator, Workspace};
-pub use patch_light::{PatchSamples, patch_irradiance};
+pub use patch_light::{PatchSamples, element_irradiance};
 pub use points::{PointLight, light_at_points, radiosity, surface_points};
 pub use product::{Bounces, indirect};
+pub use receivers::Receivers;
 pub use relighter::{Frame, Relighter};
 pub use render::{Image, Look, Parts, Shown, render};
 pub use textures::{TextureProduct, Workspace as TextureWorkspace};

@@ -1,17 +1,17 @@
-//! Direct irradiance H⁰ of the patches, averaged over points of their pieces.
+//! Direct irradiance H⁰ of the elements, averaged over their points.
 
 use std::f64::consts::PI;
 
-use radfile::{Patches, Progress};
+use radfile::{Elements, Progress};
 use rayon::prelude::*;
-use scene::{PatchSampler, Sobol, hash};
+use scene::{ElementPoints, hash};
 
 use crate::{DirectLight, Samples};
 
 /// How many points and rays stand for a patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchSamples {
-    /// Points on each patch.
+    /// Points on each patch, where its elements have none of their own.
     pub points: u32,
     /// Rays a point and area light.
     pub area: u32,
@@ -23,40 +23,38 @@ impl Default for PatchSamples {
     }
 }
 
-/// H⁰ of every patch, W/m².
+/// H⁰ of every element, W/m².
 ///
 /// `sky` is what each patch sees of the sky ([`radfile::read_sky`]); it was measured with many
-/// more rays than a frame could spend, so the sky costs none.
+/// more rays than a frame could spend, so the sky costs none. `area` is the number of rays a point and area light.
 ///
 /// # Panics
 ///
 /// If `sky` has not one value a patch: a bug in the caller.
-pub fn patch_irradiance(
+pub fn element_irradiance(
     direct: &DirectLight,
-    patches: &Patches,
+    elements: &Elements,
+    points: &ElementPoints,
     sky: &[f32],
-    samples: &PatchSamples,
+    area: u32,
     progress: &dyn Progress,
 ) -> Vec<[f32; 3]> {
-    assert_eq!(sky.len(), patches.len(), "one share of the sky a patch");
-    progress.begin("direct light of patches", patches.len() as u64);
-    let sampler = PatchSampler::new(patches);
-    let per_point = Samples { area: samples.area, sky: 0 };
-    let radiance = direct.sky_radiance();
-    (0..patches.len())
-        .into_par_iter()
-        .map(|patch| {
-            let sobol = Sobol::new(hash(0x9a7c, patch as u32));
-            let mut sum = [0.0; 3];
-            for i in 0..samples.points {
-                let [x, y, ..] = sobol.sample(i);
-                let point = sampler.point(patch, x, y);
-                let light = direct.irradiance_of_lamps(&point, &per_point, hash(patch as u32, i));
-                sum = std::array::from_fn(|c| sum[c] + light[c]);
-            }
-            progress.advance(1);
-            let seen = PI * f64::from(sky[patch]);
-            std::array::from_fn(|c| (sum[c] / f64::from(samples.points) + seen * radiance[c]) as f32)
-        })
-        .collect()
+    assert_eq!(sky.len(), elements.patches(), "one share of the sky a patch");
+    progress.begin("direct light of patches", elements.patches() as u64);
+    let (per_point, radiance) = (Samples { area, sky: 0 }, direct.sky_radiance());
+    let of_element = |patch: usize, element: usize| {
+        let own = points.of(element);
+        let mut sum = [0.0; 3];
+        for (i, point) in points.points[own.clone()].iter().enumerate() {
+            let light = direct.irradiance_of_lamps(point, &per_point, hash(element as u32, i as u32));
+            sum = std::array::from_fn(|c| sum[c] + light[c]);
+        }
+        let seen = PI * f64::from(sky[patch]);
+        std::array::from_fn(|c| (sum[c] / own.len() as f64 + seen * radiance[c]) as f32)
+    };
+    let of_patch = |patch: usize| {
+        progress.advance(1);
+        elements.of(patch).map(move |element| of_element(patch, element))
+    };
+    (0..elements.patches()).into_par_iter().flat_map_iter(of_patch).collect()
 }

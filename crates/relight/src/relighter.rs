@@ -1,12 +1,12 @@
 //! A bake, ready for frames.
 
-use radfile::{FormFactors, Patches, Progress};
-use scene::{LightRig, Rays, Scene, Surfaces};
+use radfile::{Elements, FormFactors, Patches, Progress};
+use scene::{ElementPoints, LightRig, Rays, Scene, Surfaces};
 
 use crate::{
     DirectLight, Operator, PatchSamples, bounces,
     error::{Error, Result},
-    indirect, patch_irradiance,
+    element_irradiance, indirect,
 };
 
 /// The parts of a bake that a frame needs; they are known to fit together.
@@ -15,6 +15,7 @@ pub struct Relighter<'a> {
     surfaces: Surfaces<'a>,
     rays: &'a Rays,
     patches: &'a Patches,
+    elements: &'a Elements,
     operator: &'a Operator<'a>,
     sky: &'a [f32],
 }
@@ -22,6 +23,8 @@ pub struct Relighter<'a> {
 /// Light of the patches in one frame, W/m².
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
+    /// Direct irradiance H⁰ of their elements.
+    pub element_direct: Vec<[f32; 3]>,
     /// Direct irradiance H⁰.
     pub direct: Vec<[f32; 3]>,
     /// Irradiance after one and more bounces.
@@ -33,19 +36,21 @@ impl<'a> Relighter<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::PatchCount`] if operator or sky are of another number of patches,
+    /// [`Error::PatchCount`] if operator, elements or sky are of another number of patches,
     /// [`Error::Scene`] if a texture cannot be decoded.
     pub fn new(
         scene: &'a Scene,
         rays: &'a Rays,
         patches: &'a Patches,
+        elements: &'a Elements,
         operator: &'a Operator<'a>,
         sky: &'a [f32],
     ) -> Result<Relighter<'a>> {
         same_count("the packed operator", operator.patches(), patches)?;
+        same_count("the elements", elements.patches(), patches)?;
         same_count("the sky visibility", sky.len(), patches)?;
         let surfaces = Surfaces::new(&scene.mesh, &scene.materials)?;
-        Ok(Relighter { scene, surfaces, rays, patches, operator, sky })
+        Ok(Relighter { scene, surfaces, rays, patches, elements, operator, sky })
     }
 
     /// The lights of a rig over the bake's scene.
@@ -55,9 +60,10 @@ impl<'a> Relighter<'a> {
 
     /// Direct and indirect irradiance of the patches under the lights, all bounces of the operator.
     pub fn frame(&self, light: &DirectLight, samples: &PatchSamples, progress: &dyn Progress) -> Frame {
-        let direct = self.patch_light(light, samples, progress);
+        let element_direct = self.element_light(light, samples, progress);
+        let direct = self.elements.mean(&element_direct);
         let indirect = indirect(self.patches, self.operator, &direct);
-        Frame { direct, indirect }
+        Frame { element_direct, direct, indirect }
     }
 
     /// As [`Relighter::frame`], with exactly the first `count` bounces.
@@ -74,14 +80,16 @@ impl<'a> Relighter<'a> {
         progress: &dyn Progress,
     ) -> Result<Frame> {
         same_count("the form-factor matrix", factors.len(), self.patches)?;
-        let direct = self.patch_light(light, samples, progress);
+        let element_direct = self.element_light(light, samples, progress);
+        let direct = self.elements.mean(&element_direct);
         let indirect = bounces(self.patches, factors, &direct, count);
-        Ok(Frame { direct, indirect })
+        Ok(Frame { element_direct, direct, indirect })
     }
 
-    /// Direct irradiance H⁰ of the patches, W/m².
-    pub fn patch_light(&self, light: &DirectLight, samples: &PatchSamples, progress: &dyn Progress) -> Vec<[f32; 3]> {
-        patch_irradiance(light, self.patches, self.sky, samples, progress)
+    /// Direct irradiance H⁰ of the elements, W/m².
+    pub fn element_light(&self, light: &DirectLight, samples: &PatchSamples, progress: &dyn Progress) -> Vec<[f32; 3]> {
+        let points = ElementPoints::new(&self.scene.mesh, self.patches, self.elements, samples.points);
+        element_irradiance(light, self.elements, &points, self.sky, samples.area, progress)
     }
 
     /// The scene of the bake.
@@ -97,6 +105,11 @@ impl<'a> Relighter<'a> {
     /// Ray queries over the scene.
     pub fn rays(&self) -> &Rays {
         self.rays
+    }
+
+    /// What the patches of the bake are parted into.
+    pub fn elements(&self) -> &Elements {
+        self.elements
     }
 
     /// The patches of the bake.

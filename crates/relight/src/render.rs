@@ -7,7 +7,7 @@ use radfile::{NO_RECEIVER, Progress, Side, Transfer, face_id};
 use rayon::prelude::*;
 use scene::{Camera, Hit, NO_TRIANGLE, Rays, Sobol, SurfacePoint, hash};
 
-use crate::{DirectLight, Frame, Relighter, Samples, view::View};
+use crate::{DirectLight, Frame, Receivers, Relighter, Samples, view::View};
 
 /// Receivers are looked for this high above the surface, relative to their distance: enough for flat
 /// triangles, whose rounding is far smaller, and below everything that light could be hidden by.
@@ -62,8 +62,10 @@ impl Default for Look {
 pub struct Shown<'a> {
     /// The bake.
     pub bake: &'a Relighter<'a>,
-    /// Its fine mesh and receivers.
+    /// Its fine mesh and where its receivers are.
     pub transfer: &'a Transfer,
+    /// How light comes to them.
+    pub receivers: &'a Receivers<'a>,
     /// The lights.
     pub light: &'a DirectLight<'a>,
     /// The light of the patches.
@@ -78,7 +80,7 @@ pub fn render(shown: &Shown, camera: &Camera, look: &Look, progress: &dyn Progre
         shown,
         look,
         rays: Rays::from_triangles(fine.triangle.len(), corner),
-        received: shown.transfer.rows.gather(&shown.frame.indirect),
+        received: shown.receivers.indirect(shown.bake, shown.frame),
         view: View::new(camera, shown.bake.scene().mesh.origin, look.width, look.height),
     };
     progress.begin("rows of the picture", look.height as u64);

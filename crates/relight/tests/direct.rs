@@ -4,10 +4,10 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{Maker, at, emission, rig, scene};
+use common::{Maker, at, emission, patch_irradiance, rig, scene};
 use glam::Vec3;
-use radfile::{Quiet, Side};
-use relight::{DirectLight, PatchSamples, patch_irradiance};
+use radfile::Side;
+use relight::DirectLight;
 use scene::{Rays, Scene, Surfaces};
 
 const UP: Vec3 = Vec3::Y;
@@ -182,7 +182,7 @@ fn patches_take_the_sky_that_was_measured_for_them() {
     let scene = scene(mesh, 0.5, [0.0; 3]);
     let (rays, surfaces) = (Rays::new(&scene.mesh), Surfaces::new(&scene.mesh, &scene.materials).unwrap());
     let light = DirectLight::new(&scene, &surfaces, &rays, &rig(r#"{"type":"sky","radiance":[1,2,0]}"#));
-    let h = patch_irradiance(&light, &patches, &[0.25], &PatchSamples::default(), &Quiet);
+    let h = patch_irradiance(&light, &scene.mesh, &patches, &[0.25], 32);
     close(h[0][0].into(), PI / 4.0, 1e-6);
     close(h[0][1].into(), PI / 2.0, 1e-6);
 }
@@ -198,8 +198,7 @@ fn a_patch_has_the_mean_of_its_points() {
     // A side of a cube about the light fills 4π/6 sr; the patch is twice as wide as the light is high, and Sobol points
     // of a smooth function miss its mean by less than 1/N.
     for (points, tolerance) in [(32, 0.03), (512, 0.002)] {
-        let samples = PatchSamples { points, ..PatchSamples::default() };
-        let h = patch_irradiance(&light, &patches, &[0.0], &samples, &Quiet);
+        let h = patch_irradiance(&light, &scene.mesh, &patches, &[0.0], points);
         close(h[0][0].into(), 4.0 * PI / 6.0 / 16.0, tolerance);
     }
 }
@@ -226,7 +225,7 @@ fn no_light_at_all_reaches_a_sealed_room() {
     lights.use_scene_emission = true;
     let (rays, surfaces) = (Rays::new(&scene.mesh), Surfaces::new(&scene.mesh, &scene.materials).unwrap());
     let light = DirectLight::new(&scene, &surfaces, &rays, &lights);
-    let h = patch_irradiance(&light, &patches, &vec![0.0; patches.len()], &PatchSamples::default(), &Quiet);
+    let h = patch_irradiance(&light, &scene.mesh, &patches, &vec![0.0; patches.len()], 32);
     assert!(h[..lit / 2].iter().all(|h| h[0] > 1.0), "the first room is bright");
     assert!(h[lit / 2..].iter().all(|h| *h == [0.0; 3]), "the second is dark");
 }

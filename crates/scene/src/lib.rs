@@ -9,6 +9,7 @@
 //! Files are read through the [`Folder`] that the caller hands in; nothing here touches the disk.
 
 mod camera;
+mod element_points;
 mod error;
 mod import;
 mod lights;
@@ -24,6 +25,7 @@ mod triangle_test;
 mod wide_bvh;
 
 pub use camera::Camera;
+pub use element_points::ElementPoints;
 pub use error::{Error, Result};
 pub use import::{Folder, ImportOptions, ImportReport, import};
 pub use lights::{Light, LightRig};

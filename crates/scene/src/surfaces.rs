@@ -1,5 +1,6 @@
 //! Reflectance and emission at points of triangles.
 
+use glam::Vec3;
 use radfile::{Materials, Mesh};
 use rayon::prelude::*;
 
@@ -48,6 +49,21 @@ impl<'a> Surfaces<'a> {
         let coordinates = if own.is_empty() { &self.mesh.uv } else { own };
         let texel = self.texel(material.emission_texture, coordinates, triangle, u, v);
         std::array::from_fn(|c| material.emission[c] * texel[c])
+    }
+
+    /// Barycentric weights of the second and third corner of a triangle at the point of it that is nearest to `point`, or
+    /// near that: what rounding put outside is moved back.
+    pub fn weights_at(&self, triangle: u32, point: Vec3) -> (f32, f32) {
+        let [a, b, c] = self.mesh.corners(triangle as usize).map(|p| Vec3::from(p).as_dvec3());
+        let (normal, point) = ((b - a).cross(c - a), point.as_dvec3());
+        let square = normal.length_squared();
+        if square == 0.0 {
+            return (0.0, 0.0);
+        }
+        let u = ((point - a).cross(c - a).dot(normal) / square).clamp(0.0, 1.0);
+        let v = ((b - a).cross(point - a).dot(normal) / square).clamp(0.0, 1.0);
+        let excess = (u + v).max(1.0);
+        ((u / excess) as f32, (v / excess) as f32)
     }
 
     /// Triangles whose material emits.

@@ -42,6 +42,21 @@ pub enum Error {
         /// Largest number that is accepted.
         limit: u64,
     },
+    /// A last gather is a bounce of its own.
+    #[error(
+        "the operator holds the first {bounces} bounces, and a last gather would add one; take --mode interpolate, or \
+         run series without --bounces"
+    )]
+    CutOperator {
+        /// The highest bounce that it holds.
+        bounces: u32,
+    },
+    /// The gathered rows cannot be packed.
+    #[error(transparent)]
+    Packing(#[from] hmatrix::Error),
+    /// The scene cannot be read.
+    #[error(transparent)]
+    Scene(#[from] scene::Error),
     /// The container is broken or cannot be written.
     #[error(transparent)]
     Container(#[from] radfile::Error),

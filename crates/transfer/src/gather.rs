@@ -1,18 +1,24 @@
-//! The last gather: form factors from points to the patches that they see, docs/theory.md (11.3).
+//! The last gather: form factors from points to the elements that they see, docs/theory.md (11.3).
 //!
 //! Patches are coarse, and light changes within them and from one to the next, most of all in corners. What a
 //! point receives from far patches hardly feels that. So the last bounce is not interpolated between the
-//! irradiances of patches nearby but gathered from the radiosities of all patches in view: rays leave the point
+//! irradiances of patches nearby but gathered from the radiosities of all elements in view: rays leave the point
 //! with density cos θ / π and are counted where they land. No wall, however thin, lets light through.
+//!
+//! What covers much of the view is told apart by elements, what is far by patches alone.
 //!
 //! Source: M. F. Cohen, J. R. Wallace, Radiosity and Realistic Image Synthesis, 1993, §8.4 (the final gather);
 //! the rays are those of the form factors of patches.
 
-use radfile::{Patches, PointRows, Progress, face_id};
+use glam::Vec3;
+use radfile::{Elements, GatherCertificate, Gathered, Patches, PointRows, Progress, Rows, face_id};
 use rayon::prelude::*;
 use scene::{Rays, Sobol, SurfacePoint, cosine_direction, hash};
 
-use crate::senders::{Row, join};
+use crate::{
+    Result, report,
+    rows::{Row, join},
+};
 
 /// How the last gather is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,60 +35,162 @@ impl Default for GatherParams {
     }
 }
 
+/// A patch that fewer rays than this meet counts as a whole: they would say more of chance than of its elements.
+const NEAR: u32 = 16;
+
+/// What light is gathered from.
+#[derive(Clone, Copy)]
+pub struct Senders<'a> {
+    /// The patches of the scene.
+    pub patches: &'a Patches,
+    /// What they are parted into.
+    pub elements: &'a Elements,
+    /// Over all triangles of their mesh.
+    pub rays: &'a Rays,
+}
+
 /// Bytes that [`gather_for_points`] takes at most.
-pub fn gather_memory_needed(points: usize, patches: usize, params: &GatherParams) -> u64 {
+pub fn gather_memory_needed(points: usize, senders: usize, params: &GatherParams) -> u64 {
     // A row as it is counted and, when all are joined, once more.
-    let row = (patches as u64).min(u64::from(params.rays)) * 2 * 8 + 64;
+    let row = (senders as u64).min(u64::from(params.rays)) * 2 * 8 + 64;
     row.saturating_mul(points as u64)
 }
 
-/// Form factors of points on surfaces. The points' triangles need not be known ([`scene::NO_TRIANGLE`]).
+/// Form factors of points on surfaces; columns are the senders of a gather ([`Elements`]). The points' triangles need not be known ([`scene::NO_TRIANGLE`]).
+///
+/// # Panics
+///
+/// If elements and patches are not of the same number: a bug in the caller.
 pub fn gather_for_points(
-    patches: &Patches,
-    rays: &Rays,
+    senders: &Senders,
     points: &[SurfacePoint],
     params: &GatherParams,
     progress: &dyn Progress,
 ) -> PointRows {
+    let (rows, sky) = form_factors(senders, points, params, progress);
+    PointRows::Gathered { rows, sky }
+}
+
+/// The same, packed, and what came of it.
+///
+/// # Errors
+///
+/// [`crate::Error::Packing`]: an error that cannot be asked for, or no points.
+///
+/// # Panics
+///
+/// As [`gather_for_points`].
+pub fn pack(
+    senders: &Senders,
+    points: &[SurfacePoint],
+    params: &GatherParams,
+    error: f64,
+    progress: &dyn Progress,
+) -> Result<(Gathered, report::Gathered)> {
+    let (rows, sky) = form_factors(senders, points, params, progress);
+    let vectors = |f: fn(&SurfacePoint) -> [f32; 3]| points.iter().map(f).collect::<Vec<_>>();
+    let (position, normal) = (vectors(|p| p.position.to_array()), vectors(|p| p.normal.to_array()));
+    let receivers = hmatrix::Receivers { position: &position, normal: &normal };
+    let (patches, elements) = (senders.patches, senders.elements);
+    let normal_of_elements =
+        (0..elements.patches()).flat_map(|patch| elements.of(patch).map(move |_| patches.normal[patch]));
+    let columns = hmatrix::Senders {
+        position: &[&patches.position[..], &middles(elements)].concat(),
+        normal: &patches.normal.iter().copied().chain(normal_of_elements).collect::<Vec<_>>(),
+        area: &[&patches.area[..], &elements.area].concat(),
+        reflectance: &[&patches.reflectance[..], &elements.reflectance].concat(),
+    };
+    let source = hmatrix::sparse(&rows, &receivers)?;
+    let (packed, numbers) =
+        hmatrix::compress_rows(&receivers, &columns, &source, &hmatrix::Params::error(error), progress)?;
+    let (l2_mean, vis99) = (numbers.l2_mean, numbers.vis99);
+    let report = report::Gathered {
+        elements: elements.len(),
+        rays: params.rays,
+        mean_row: rows.patch.len() as f64 / points.len().max(1) as f64,
+        blind: (0..rows.len()).filter(|&r| rows.row(r).next().is_none() && sky[r] == 0.0).count(),
+        bytes: packed.to_bytes().len(),
+        bytes_per_receiver: packed.to_bytes().len() as f64 / points.len().max(1) as f64,
+        error_wanted: error,
+        l2_mean,
+        vis99,
+    };
+    let certificate =
+        GatherCertificate { senders: elements.senders() as u32, rays: params.rays, error_wanted: error, l2_mean, vis99 };
+    Ok((Gathered { certificate, stream: packed.to_bytes().to_vec(), sky }, report))
+}
+
+/// The middle of the points of each element.
+fn middles(elements: &Elements) -> Vec<[f32; 3]> {
+    let middle = |range: &[u32]| {
+        let points = &elements.point[range[0] as usize..range[1] as usize];
+        (points.iter().map(|&p| Vec3::from(p)).sum::<Vec3>() / points.len() as f32).to_array()
+    };
+    elements.point_start.windows(2).map(middle).collect()
+}
+
+/// Rows over patches and elements, and the sky.
+fn form_factors(
+    senders: &Senders,
+    points: &[SurfacePoint],
+    params: &GatherParams,
+    progress: &dyn Progress,
+) -> (Rows, Vec<f32>) {
+    assert_eq!(senders.elements.patches(), senders.patches.len(), "the elements of these patches");
     progress.begin("last gather", points.len() as u64);
     let gather = |counts: &mut Vec<u32>, (number, point): (usize, &SurfacePoint)| {
         let sobol = Sobol::new(hash(params.seed, number as u32));
-        let seen = look(patches, rays, point, &sobol, params.rays, counts);
+        let seen = senders.seen_by(point, &sobol, params.rays, counts);
         progress.advance(1);
         seen
     };
-    let seen = points.par_iter().enumerate().map_init(|| vec![0; patches.len()], gather);
+    let seen = points.par_iter().enumerate().map_init(|| vec![0; senders.elements.len()], gather);
     let (rows, sky): (Vec<Row>, Vec<f32>) = seen.unzip();
-    PointRows::Gathered { rows: join(rows), sky }
+    (join(rows), sky)
 }
 
-/// Sends the rays of one point; `counts` is zero before and after.
-fn look(
-    patches: &Patches,
-    rays: &Rays,
-    point: &SurfacePoint,
-    sobol: &Sobol,
-    count: u32,
-    counts: &mut [u32],
-) -> (Row, f32) {
-    let origin = rays.off_surface(point.position, point.normal);
-    let (mut met, mut escaped) = (Vec::new(), 0);
-    for k in 0..count {
-        let [u, v, ..] = sobol.sample(k);
-        let direction = cosine_direction(point.normal, u, v);
-        let Some(hit) = rays.closest(origin, direction, f32::INFINITY, point.triangle) else {
-            escaped += 1;
-            continue;
-        };
-        let place = (origin + hit.t * direction).to_array();
-        let Some(patch) = patches.locator.patch_at(face_id(hit.triangle, hit.side), place) else { continue };
-        if counts[patch as usize] == 0 {
-            met.push(patch);
+impl Senders<'_> {
+    /// Sends the rays of one point; `counts` is zero before and after.
+    fn seen_by(&self, point: &SurfacePoint, sobol: &Sobol, count: u32, counts: &mut [u32]) -> (Row, f32) {
+        let origin = self.rays.off_surface(point.position, point.normal);
+        let (mut met, mut escaped) = (Vec::new(), 0);
+        for k in 0..count {
+            let [u, v, ..] = sobol.sample(k);
+            let direction = cosine_direction(point.normal, u, v);
+            let Some(hit) = self.rays.closest(origin, direction, f32::INFINITY, point.triangle) else {
+                escaped += 1;
+                continue;
+            };
+            let place = (origin + hit.t * direction).to_array();
+            let face = face_id(hit.triangle, hit.side);
+            let Some(patch) = self.patches.locator.patch_at(face, place) else { continue };
+            let element = self.elements.at(patch as usize, place);
+            if counts[element as usize] == 0 {
+                met.push((patch, element));
+            }
+            counts[element as usize] += 1;
         }
-        counts[patch as usize] += 1;
+        let share = |hits: u32| hits as f32 / count.max(1) as f32;
+        (Row { entries: self.entries(met, counts, share), ..Row::default() }, share(escaped))
     }
-    met.sort_unstable();
-    let share = |hits: u32| hits as f32 / count.max(1) as f32;
-    let entries = met.into_iter().map(|p| (p, share(std::mem::take(&mut counts[p as usize])))).collect();
-    (Row { entries, fallback: false, widened: false }, share(escaped))
+
+    /// Weights of the (patch, element) pairs that were met, far patches as a whole; takes the counts back to zero.
+    fn entries(&self, mut met: Vec<(u32, u32)>, counts: &mut [u32], share: impl Fn(u32) -> f32) -> Vec<(u32, f32)> {
+        met.sort_unstable();
+        let (mut whole, mut parts) = (Vec::new(), Vec::new());
+        let patches = self.patches.len() as u32;
+        for group in met.chunk_by(|a, b| a.0 == b.0) {
+            let patch = group[0].0;
+            let hits: Vec<(u32, u32)> =
+                group.iter().map(|&(_, e)| (e, std::mem::take(&mut counts[e as usize]))).collect();
+            let all: u32 = hits.iter().map(|h| h.1).sum();
+            if all < NEAR || self.elements.of(patch as usize).len() == 1 {
+                whole.push((patch, share(all)));
+            } else {
+                parts.extend(hits.iter().map(|&(e, hits)| (patches + e, share(hits))));
+            }
+        }
+        whole.append(&mut parts);
+        whole
+    }
 }

@@ -6,7 +6,8 @@ use scene::{Rays, SurfacePoint};
 
 use crate::{
     Params,
-    senders::{Row, Senders, join},
+    neighbours::Neighbours,
+    rows::{Row, join},
 };
 
 /// One row a point: weights of the patches in its sight, or of the patch that it lies on, or none
@@ -18,15 +19,15 @@ pub fn rows_for_points(
     params: &Params,
     progress: &dyn Progress,
 ) -> Rows {
-    let senders = Senders::new(patches, rays, params.radius);
+    let neighbours = Neighbours::new(patches, rays, params.radius);
     progress.begin("weights", points.len() as u64);
     let row = |point: &SurfacePoint| -> Row {
         let own = || {
-            let place = senders.sight.place(point.position, point.normal);
-            let face = senders.sight.face_under(&place)?;
+            let place = neighbours.sight.place(point.position, point.normal);
+            let face = neighbours.sight.face_under(&place)?;
             patches.locator.patch_at(face, point.position.to_array())
         };
-        let row = senders.row(point.position, point.normal, own);
+        let row = neighbours.row(point.position, point.normal, own);
         progress.advance(1);
         row
     };

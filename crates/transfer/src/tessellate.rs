@@ -99,7 +99,7 @@ fn refuse_absurd(mesh: &Mesh, edge: f32, limit: u64) -> Result<()> {
 
 /// About how many triangles there will be: a part has an area of edge²/8 to edge²/4, a sliver is
 /// cut into parts at least half an edge long.
-fn estimate(mesh: &Mesh, edge: f32) -> f64 {
+pub fn estimate(mesh: &Mesh, edge: f32) -> f64 {
     let edge = f64::from(edge);
     (0..mesh.triangles.len())
         .map(|t| {

@@ -6,13 +6,14 @@ use std::f64::consts::PI;
 
 use common::Maker;
 use glam::Vec3;
-use radfile::{Mesh, Patches, PointRows, Quiet, Rows, Side};
+use radfile::{Elements, Mesh, Patches, PointRows, Quiet, Rows, Side};
 use scene::{NO_TRIANGLE, Rays, SurfacePoint};
-use transfer::{GatherParams, gather_for_points, gather_memory_needed};
+use transfer::{GatherParams, Senders, gather_for_points, gather_memory_needed};
 
 fn gather(mesh: &Mesh, patches: &Patches, points: &[SurfacePoint], rays: u32) -> (Rows, Vec<f32>) {
     let params = GatherParams { rays, ..GatherParams::default() };
-    match gather_for_points(patches, &Rays::new(mesh), points, &params, &Quiet) {
+    let senders = Senders { patches, elements: &Elements::whole(patches), rays: &Rays::new(mesh) };
+    match gather_for_points(&senders, points, &params, &Quiet) {
         PointRows::Gathered { rows, sky } => (rows, sky),
         other => panic!("not gathered: {other:?}"),
     }
@@ -78,5 +79,5 @@ fn rows_are_the_same_for_any_number_of_threads() {
     assert_eq!(one, four);
     let entry = size_of::<u32>() + size_of::<f32>();
     let params = GatherParams { rays: 256, ..GatherParams::default() };
-    assert!((one.0.patch.len() * entry) as u64 <= gather_memory_needed(points.len(), patches.len(), &params));
+    assert!((one.0.patch.len() * entry) as u64 <= gather_memory_needed(points.len(), 2 * patches.len(), &params));
 }

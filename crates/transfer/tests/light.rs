@@ -4,16 +4,20 @@ mod common;
 
 use common::Maker;
 use glam::Vec3;
-use radfile::{Mesh, NO_RECEIVER, Patches, Quiet, Side, Transfer};
+use radfile::{Elements, Mesh, NO_RECEIVER, Patches, Quiet, Rows, Side, Transfer, Weights};
 use scene::{NO_TRIANGLE, Rays, SurfacePoint};
-use transfer::{Params, Report, rows_for_points, transfer};
+use transfer::{Interpolated, Mode, Params, Senders, interpolate_for_points, transfer};
 
 const BOTH: &[Side] = &[Side::Front, Side::Back];
 
-fn make(mesh: &Mesh, patches: &Patches) -> (Transfer, Report) {
-    let (made, report) = transfer(mesh, patches, &Rays::new(mesh), &Params::default(), &Quiet).expect("it is small");
+/// The receivers of a scene, their weights, and what is said of these.
+fn make(mesh: &Mesh, patches: &Patches) -> (Transfer, Rows, Interpolated) {
+    let senders = Senders { patches, elements: &Elements::whole(patches), rays: &Rays::new(mesh) };
+    let params = Params { mode: Mode::Interpolate, ..Params::default() };
+    let (made, report) = transfer(mesh, &senders, &params, &Quiet).expect("it is small");
     made.check(patches.len(), mesh.triangles.len()).expect("the record keeps its rules");
-    (made, report)
+    let Weights::Interpolated(rows) = made.weights.clone() else { panic!("weights were asked for") };
+    (made, rows, report.interpolated.expect("they were made"))
 }
 
 /// A point that looks up.
@@ -32,10 +36,10 @@ fn floor() -> (Mesh, Patches) {
 #[test]
 fn a_flat_floor_under_uniform_light_stays_flat() {
     let (mesh, patches) = floor();
-    let (made, report) = make(&mesh, &patches);
-    assert_eq!(report.receivers, 145, "9 × 9 corners and the middles of 8 × 8 diagonals: {report:?}");
+    let (made, rows, report) = make(&mesh, &patches);
+    assert_eq!(made.receivers(), 145, "9 × 9 corners and the middles of 8 × 8 diagonals");
     assert_eq!((report.empty_rows, report.fallback_rows, report.widened_rows), (0, 0, 0), "{report:?}");
-    for light in made.rows.gather(&vec![[1.0, 2.0, 4.0]; patches.len()]) {
+    for light in rows.gather(&vec![[1.0, 2.0, 4.0]; patches.len()]) {
         for (found, wanted) in light.iter().zip([1.0, 2.0, 4.0]) {
             assert!((found / wanted - 1.0).abs() < 1e-6, "{light:?}");
         }
@@ -52,7 +56,7 @@ fn light_that_grows_evenly_across_a_floor_does_so_after_the_transfer() {
         .map(|i| Vec3::new(0.6 + 0.03 * (i % 10 * 9) as f32, 0.0, 0.6 + 0.03 * (i / 10 * 9) as f32))
         .map(point)
         .collect();
-    let rows = rows_for_points(&patches, &rays, &places, &Params::default(), &Quiet);
+    let rows = interpolate_for_points(&patches, &rays, &places, &Params::default(), &Quiet);
     for (place, found) in places.iter().zip(rows.gather(&light)) {
         // 0.5 % of a voxel: what the ridge of the fit leaves.
         assert!((found[0] - place.position.x).abs() < 0.01, "{place:?}: {found:?}");
@@ -73,13 +77,13 @@ fn two_rooms(thickness: f32) -> (Mesh, Patches) {
 fn no_light_passes_a_wall_whatever_its_thickness() {
     for thickness in [0.0, 1e-3, 0.15] {
         let (mesh, patches) = two_rooms(thickness);
-        let (made, report) = make(&mesh, &patches);
+        let (made, rows, report) = make(&mesh, &patches);
         assert_eq!((report.empty_rows, report.fallback_rows), (0, 0), "{report:?}");
         let middle = 2.0 + 0.5 * thickness;
         for (receiver, position) in made.position.iter().enumerate() {
             // A receiver stands for the room that its face belongs to; in the wall's plane the patch normals tell.
             let own = room_of(*position, made.normal[receiver], middle);
-            for (patch, _) in made.rows.row(receiver) {
+            for (patch, _) in rows.row(receiver) {
                 let theirs = room_of(patches.position[patch], patches.normal[patch], middle);
                 assert_eq!(own, theirs, "thickness {thickness}: {position:?} takes light of patch {patch}");
             }
@@ -99,7 +103,7 @@ fn a_floor_vertex_under_a_sheet_receives_on_either_side_of_it_apart() {
     maker.sheet(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0, [8, 8], &[Side::Front]);
     maker.sheet(Vec3::new(2.0, 0.0, 0.0), Vec3::Y * 2.0, Vec3::Z * 4.0, [4, 8], BOTH);
     let (mesh, patches) = maker.finish();
-    let (made, _) = make(&mesh, &patches);
+    let (made, rows, _) = make(&mesh, &patches);
     let lit: Vec<[f32; 3]> = patches
         .position
         .iter()
@@ -107,7 +111,7 @@ fn a_floor_vertex_under_a_sheet_receives_on_either_side_of_it_apart() {
         .map(|(p, n)| if room_of(*p, *n, 2.0) { [1.0; 3] } else { [0.0; 3] })
         .collect();
     let floor = 2 * 8 * 8;
-    let received = made.rows.gather(&lit);
+    let received = rows.gather(&lit);
     for (t, triangle) in made.fine.triangle.iter().enumerate().filter(|(t, _)| (made.fine.source[*t] as usize) < floor)
     {
         let right = triangle.iter().map(|&v| made.fine.vertex[v as usize][0]).sum::<f32>() > 6.0;
@@ -130,11 +134,11 @@ fn a_point_that_sees_no_patch_takes_the_one_it_lies_on() {
     maker.sheet(low + Vec3::Y * size, Vec3::Z * size, Vec3::X * size, [1, 1], &[]);
     let (mesh, patches) = maker.finish();
     let points = [point(low + Vec3::new(0.05, 0.0, 0.05))];
-    let rows = rows_for_points(&patches, &Rays::new(&mesh), &points, &Params::default(), &Quiet);
+    let rows = interpolate_for_points(&patches, &Rays::new(&mesh), &points, &Params::default(), &Quiet);
     // Second row and second column of the sheet, whose rows run along z.
     assert_eq!(rows.row(0).collect::<Vec<_>>(), [(9, 1.0)]);
     let in_the_air = [point(Vec3::new(2.0, 50.0, 2.0))];
-    let rows = rows_for_points(&patches, &Rays::new(&mesh), &in_the_air, &Params::default(), &Quiet);
+    let rows = interpolate_for_points(&patches, &Rays::new(&mesh), &in_the_air, &Params::default(), &Quiet);
     assert_eq!(rows.row(0).count(), 0, "a point in the air lies on no patch");
 }
 
@@ -151,16 +155,16 @@ fn light_goes_smoothly_around_a_round_column() {
         maker.sheet(at(i), Vec3::Y * 2.0, at(i + 1) - at(i), [6, 1], &[Side::Front]);
     }
     let (mesh, patches) = maker.finish();
-    let (made, report) = make(&mesh, &patches);
+    let (made, rows, report) = make(&mesh, &patches);
     assert_eq!((report.widened_rows, report.fallback_rows), (0, 0), "{report:?}");
     let light: Vec<[f32; 3]> = patches.normal.iter().map(|n| [1.0 + n[0]; 3]).collect();
-    for (receiver, found) in made.rows.gather(&light).iter().enumerate() {
+    for (receiver, found) in rows.gather(&light).iter().enumerate() {
         // The kernel reaches 35 degrees with a variance of an eighth of that squared: it takes cos down by 2.5 %.
         let [x, _, z] = made.position[receiver];
         let wanted = 1.0 + x / x.hypot(z);
         assert!((found[0] - wanted).abs() < 0.05, "{x} {z}: {found:?}");
-        let first = made.rows.row(receiver).next().expect("the report has no empty row").0;
-        let sees_around = made.rows.row(receiver).any(|(p, _)| patches.normal[p] != patches.normal[first]);
+        let first = rows.row(receiver).next().expect("the report has no empty row").0;
+        let sees_around = rows.row(receiver).any(|(p, _)| patches.normal[p] != patches.normal[first]);
         assert!(sees_around, "{x} {z} has light of one side of the column only");
     }
 }
@@ -168,21 +172,21 @@ fn light_goes_smoothly_around_a_round_column() {
 #[test]
 fn sides_that_see_nothing_have_no_receivers() {
     let (mut mesh, patches) = floor();
-    let (made, _) = make(&mesh, &patches);
+    let (made, ..) = make(&mesh, &patches);
     assert!(made.fine.receiver.iter().all(|r| r[1] == [NO_RECEIVER; 3] && !r[0].contains(&NO_RECEIVER)));
     let mut maker = Maker::new(0.5);
     maker.sheet(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0, [8, 8], BOTH);
     let two_sided = maker.finish().1;
-    assert_eq!(make(&mesh, &two_sided).1.receivers, 2 * 145);
+    assert_eq!(make(&mesh, &two_sided).0.receivers(), 2 * 145);
     mesh.one_sided = true;
-    assert_eq!(make(&mesh, &two_sided).1.receivers, 145);
+    assert_eq!(make(&mesh, &two_sided).0.receivers(), 145);
 }
 
 /// A receiver at a corner of a room lies inside the room on its own surface, not in the walls beside it.
 #[test]
 fn receivers_lie_on_their_surface_inside_the_room() {
     let (mesh, patches) = two_rooms(0.0);
-    let (made, _) = make(&mesh, &patches);
+    let (made, ..) = make(&mesh, &patches);
     for (p, n) in made.position.iter().zip(&made.normal) {
         let axis = (0..3).find(|&a| n[a].abs() > 0.999).expect("walls are along axes");
         let wall = |x: f32| x.abs().min((x - 2.0).abs()).min((x - 4.0).abs());

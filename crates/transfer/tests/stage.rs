@@ -6,9 +6,9 @@ use std::collections::HashMap;
 
 use common::Maker;
 use glam::Vec3;
-use radfile::{Builder, Container, Mesh, Patches, Quiet, Record, Step, Transfer};
-use scene::Rays;
-use transfer::{Error, Params, Report, run, transfer};
+use radfile::{Builder, Container, Elements, Material, Materials, Mesh, Patches, Quiet, Record, Step, Transfer};
+use scene::{Rays, Scene, Surfaces};
+use transfer::{Error, Mode, Params, Report, Senders, run, subdivide, transfer};
 
 /// A closed room of unequal edges, cut into no more than its twelve triangles' worth of patches.
 fn room() -> (Mesh, Patches) {
@@ -17,9 +17,27 @@ fn room() -> (Mesh, Patches) {
     maker.finish()
 }
 
+/// One grey material for the mesh.
+fn grey(mesh: Mesh) -> Scene {
+    let material = Material {
+        name: "grey".into(),
+        reflectance: [0.5; 3],
+        reflectance_texture: None,
+        emission: [0.0; 3],
+        emission_texture: None,
+    };
+    Scene { mesh, materials: Materials { materials: vec![material], textures: vec![] }, ..Scene::default() }
+}
+
 fn with(params: Params) -> Result<(Transfer, Report), Error> {
     let (mesh, patches) = room();
-    transfer(&mesh, &patches, &Rays::new(&mesh), &params, &Quiet)
+    let scene = grey(mesh);
+    let rays = Rays::new(&scene.mesh);
+    let elements = match params.mode {
+        Mode::Gather => subdivide(&patches, &Surfaces::new(&scene.mesh, &scene.materials).unwrap(), &rays, &Quiet),
+        Mode::Interpolate => Elements::whole(&patches),
+    };
+    transfer(&scene.mesh, &Senders { patches: &patches, elements: &elements, rays: &rays }, &params, &Quiet)
 }
 
 #[test]
@@ -72,8 +90,8 @@ fn step() -> Step {
 
 fn container() -> Container {
     let (mesh, patches) = room();
-    let mut builder = Builder::new();
-    mesh.write(&mut builder);
+    let (scene, mut builder) = (grey(mesh), Builder::new());
+    scene.write(&mut builder);
     patches.write(&mut builder);
     builder.array("guest.values", 0, &[3], vec![1.0f32, 2.0, 3.0]);
     builder.finish().expect("records of the test are sound")

@@ -12,7 +12,7 @@ mod transfer;
 use std::{fmt::Write, path::PathBuf};
 
 use anyhow::{Context, bail};
-use radfile::{Container, FormFactors, Mesh, Patches, Record, Transfer};
+use radfile::{Container, Elements, FormFactors, Mesh, Patches, Record, Transfer};
 
 use self::check::Check;
 use crate::{files, numbers, session::Session};
@@ -60,8 +60,10 @@ fn identities(c: &Container, packed_tolerance: f64) -> anyhow::Result<Vec<Check>
     if relight::Operator::is_in(c) {
         checks.extend(operator::packed(c, &patches, packed_tolerance)?);
     }
-    if c.has("transfer.weight") {
-        checks.push(transfer::transfer(&Transfer::read(c)?));
+    let elements = Elements::read_or_whole(c, &patches)?;
+    checks.push(transfer::elements(&elements, &patches));
+    if c.has("transfer.position") {
+        checks.push(transfer::transfer(&Transfer::read(c)?, &elements)?);
     }
     Ok(checks)
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use radfile::{
     CUT, Cut, FormFactors, Materials, Mesh, NO_RECEIVER, Operator, PackedOperator, Packing, Patches, Permutation,
-    Record, Transfer, read_sky,
+    Record, Rows, Transfer, Weights, read_sky,
 };
 
 use crate::{
@@ -192,17 +192,24 @@ refuses!(
     ]
 );
 
+fn rows(c: &mut Cube) -> &mut Rows {
+    match &mut c.transfer.weights {
+        Weights::Interpolated(rows) => rows,
+        Weights::Gathered(_) => panic!("the cube interpolates"),
+    }
+}
+
 refuses!(
     a_transfer_with_broken_numbers_is_refused,
     Transfer,
     &[
         (|c| c.transfer.position[2][0] = f32::NAN, "transfer: receiver 2 lies at [NaN"),
         (|c| c.transfer.normal[5] = [0.0; 3], "transfer: receiver 5 has normal [0.0, 0.0, 0.0], expected a unit"),
-        (|c| c.transfer.rows.row_start[4] = 20, "transfer: row_start does not run from 0 to 46 in 24 steps"),
-        (|c| c.transfer.rows.patch[3] = 6, "transfer: entry 3 names patch 6, there are 6"),
-        (|c| c.transfer.rows.weight[1] = -0.5, "transfer: entry 1 has weight -0.5, expected 0..1"),
-        (|c| c.transfer.rows.weight[1] = f32::NAN, "transfer: entry 1 has weight NaN"),
-        (|c| c.transfer.rows.weight[2] = 0.25, "transfer: the weights of receiver 1 sum to 0.5, expected 1"),
+        (|c| rows(c).row_start[4] = 20, "transfer: row_start does not run from 0 to 46 in 24 steps"),
+        (|c| rows(c).patch[3] = 6, "transfer: entry 3 names patch 6, there are 6"),
+        (|c| rows(c).weight[1] = -0.5, "transfer: entry 1 has weight -0.5, expected 0..1"),
+        (|c| rows(c).weight[1] = f32::NAN, "transfer: entry 1 has weight NaN"),
+        (|c| rows(c).weight[2] = 0.25, "transfer: the weights of receiver 1 sum to 0.5, expected 1"),
         (|c| c.transfer.fine.vertex[9][2] = f32::INFINITY, "transfer: fine vertex 9 is "),
         (|c| c.transfer.fine.triangle[1][0] = 24, "transfer: fine triangle 1 names vertices [24, 2, 3], there are 24"),
         (|c| c.transfer.fine.source[8] = 12, "transfer: fine triangle 8 comes from triangle 12, there are 12"),

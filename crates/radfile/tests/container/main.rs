@@ -7,10 +7,12 @@ mod annotated;
 mod damage;
 mod differences;
 mod disagreement;
+mod elements;
 mod foreign;
 mod half;
 mod hostile;
 mod invariants;
+
 mod lightmap;
 mod metadata;
 mod patch_order;

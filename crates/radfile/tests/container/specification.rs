@@ -4,7 +4,7 @@ use std::{collections::HashMap, path::Path};
 
 use radfile::{Container, ElementType, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, SECTIONS};
 
-use crate::fixture::{cube, cube_with_cuts, half, hierarchical, lightmap, minimal, open};
+use crate::fixture::{cube, cube_with_cuts, elements, gathered, half, hierarchical, lightmap, minimal, open};
 
 fn specification() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../formats/rad.md");
@@ -50,11 +50,14 @@ fn fits(extent: &str, found: u64, symbols: &mut HashMap<String, u64>) -> bool {
 #[test]
 fn every_section_has_the_element_shape_and_flags_that_the_specification_lists() {
     let (mut cube, hierarchical, half, lightmap) = (cube_with_cuts(), hierarchical(), half(), lightmap());
+    let (elements, gathered) = (elements(), gathered());
     cube.mesh.lightmap_uv = cube.mesh.uv.clone();
     let mut builder = cube.builder();
     hierarchical.write(&mut builder);
     half.write(&mut builder);
     lightmap.write(&mut builder);
+    elements.write(&mut builder);
+    gathered.write(&mut builder);
     let container = open(&builder);
     let mut symbols = HashMap::new();
     let text = specification();
@@ -204,10 +207,13 @@ fn float64(bytes: &[u8]) -> u64 {
 fn a_reader_made_from_the_specification_alone_reads_all_metadata() {
     let reader = Reader::new(&specification());
     let (cube, hierarchical, half, lightmap) = (cube(), hierarchical(), half(), lightmap());
+    let (elements, gathered) = (elements(), gathered());
     let mut builder = cube.builder();
     hierarchical.write(&mut builder);
     half.write(&mut builder);
     lightmap.write(&mut builder);
+    elements.write(&mut builder);
+    gathered.write(&mut builder);
     let container = open(&builder);
     let metas = container.sections().iter().filter(|s| s.element == ElementType::Meta);
     let read: Vec<(&str, String)> = metas.map(|s| (s.name.as_str(), reader.section(&container, &s.name))).collect();

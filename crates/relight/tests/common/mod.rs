@@ -8,7 +8,7 @@ pub use maker::Maker;
 
 use glam::Vec3;
 use radfile::{
-    BlockFormat, FineMesh, FormFactors, Material, Materials, Mesh, NO_RECEIVER, PackedOperator, Packing, Patches, Rows,
+    BlockFormat, Elements, FineMesh, FormFactors, Material, Materials, Mesh, NO_RECEIVER, PackedOperator, Packing, Patches, Rows,
     Transfer, ValueMap,
 };
 use relight::Operator;
@@ -45,10 +45,24 @@ pub fn at(scene: &Scene, rig: &LightRig, position: Vec3, normal: Vec3) -> [f64; 
     light.irradiance(&point, &relight::Samples::default(), 1)
 }
 
+/// Direct irradiance of whole patches.
+pub fn patch_irradiance(
+    light: &relight::DirectLight,
+    mesh: &Mesh,
+    patches: &Patches,
+    sky: &[f32],
+    points: u32,
+) -> Vec<[f32; 3]> {
+    let elements = Elements::whole(patches);
+    let points = scene::ElementPoints::new(mesh, patches, &elements, points);
+    relight::element_irradiance(light, &elements, &points, sky, 8, &radfile::Quiet)
+}
+
 /// A closed unit cube of `6 k²` equal patches.
 pub struct Cube {
     pub scene: Scene,
     pub patches: Patches,
+    pub elements: Elements,
     pub factors: FormFactors<'static>,
     pub operator: Operator<'static>,
 }
@@ -64,7 +78,8 @@ pub fn cube(k: usize, reflectance: f32, emission: f32) -> Cube {
     let factors =
         FormFactors { values: factors.iter().map(|v| *v as f32).collect::<Vec<_>>().into(), sky: vec![0.0; n].into() };
     let operator = as_outliers(&operator, n).into();
-    Cube { scene: scene(mesh, reflectance, [emission; 3]), patches, factors, operator }
+    let elements = Elements::whole(&patches);
+    Cube { scene: scene(mesh, reflectance, [emission; 3]), patches, elements, factors, operator }
 }
 
 /// Form factors of equal patches by cosine rays, made symmetric with rows that sum to 1.
@@ -146,8 +161,8 @@ fn as_outliers(k: &[f64], n: usize) -> PackedOperator<'static> {
 }
 
 /// The mesh as its own fine mesh; each corner of a front side receives the light of its patch.
-pub fn corners_receive(mesh: &Mesh) -> Transfer {
-    let mut made = Transfer { rows: Rows { row_start: vec![0], ..Rows::default() }, ..Transfer::default() };
+pub fn corners_receive(mesh: &Mesh) -> (Transfer, Rows) {
+    let (mut made, mut rows) = (Transfer::default(), Rows { row_start: vec![0], ..Rows::default() });
     let mut receivers = Vec::new();
     for t in 0..mesh.triangles.len() {
         let corners = mesh.corners(t).map(Vec3::from);
@@ -157,9 +172,9 @@ pub fn corners_receive(mesh: &Mesh) -> Transfer {
         for corner in corners {
             made.position.push(corner.lerp(middle, 0.1).to_array());
             made.normal.push(normal.to_array());
-            made.rows.patch.push(t as u32 / 2);
-            made.rows.weight.push(1.0);
-            made.rows.row_start.push(made.rows.patch.len() as u32);
+            rows.patch.push(t as u32 / 2);
+            rows.weight.push(1.0);
+            rows.row_start.push(rows.patch.len() as u32);
         }
     }
     made.fine = FineMesh {
@@ -168,5 +183,5 @@ pub fn corners_receive(mesh: &Mesh) -> Transfer {
         source: (0..mesh.triangles.len() as u32).collect(),
         receiver: receivers,
     };
-    made
+    (made, rows)
 }

@@ -1,14 +1,15 @@
-//! The patches, ready to be looked up from receivers.
+//! Interpolation: the patches around a receiver, weighed by nearness, side and size.
 
 use std::collections::HashMap;
 
 use glam::Vec3;
-use radfile::{Patches, Rows};
+use radfile::Patches;
 use rayon::prelude::*;
 use scene::{Rays, basis};
 
 use crate::{
     fit::{Sample, fit},
+    rows::Row,
     sight::{Place, Sight},
     triangle::nearest_point,
 };
@@ -27,7 +28,7 @@ const SMALLEST_SHARE: f32 = 1e-3;
 const INWARD: f32 = 0.02;
 
 /// Patches by place.
-pub struct Senders<'a> {
+pub struct Neighbours<'a> {
     patches: &'a Patches,
     /// The looks along surfaces that decide.
     pub sight: Sight<'a>,
@@ -37,19 +38,9 @@ pub struct Senders<'a> {
     radius: f32,
 }
 
-/// The weights of one receiver.
-pub struct Row {
-    /// Patch and weight.
-    pub entries: Vec<(u32, f32)>,
-    /// No patch was in sight; the one that the receiver lies on stands in.
-    pub fallback: bool,
-    /// The first radius held no patch in sight.
-    pub widened: bool,
-}
-
-impl<'a> Senders<'a> {
+impl<'a> Neighbours<'a> {
     /// Prepares the patches; `radius` is in voxels.
-    pub fn new(patches: &'a Patches, rays: &'a Rays, radius: f32) -> Senders<'a> {
+    pub fn new(patches: &'a Patches, rays: &'a Rays, radius: f32) -> Neighbours<'a> {
         let cell = patches.locator.cell_size;
         let sight = Sight::new(rays, cell);
         let places: Vec<Place> = (0..patches.len())
@@ -61,7 +52,7 @@ impl<'a> Senders<'a> {
         for (p, place) in places.iter().enumerate() {
             grid.entry(cell_of(place.position, radius)).or_default().push(p as u32);
         }
-        Senders { patches, sight, places, grid, radius }
+        Neighbours { patches, sight, places, grid, radius }
     }
 
     /// The weights of a receiver; `own` is the patch that it lies on, asked only where none is in sight.
@@ -130,17 +121,4 @@ fn inner_position(patches: &Patches, patch: usize) -> Vec3 {
 
 fn cell_of(position: Vec3, size: f32) -> [i32; 3] {
     (position / size).floor().as_ivec3().to_array()
-}
-
-/// Rows one after the other.
-pub fn join(rows: Vec<Row>) -> Rows {
-    let mut joined = Rows { row_start: vec![0], ..Rows::default() };
-    for row in rows {
-        for (patch, weight) in row.entries {
-            joined.patch.push(patch);
-            joined.weight.push(weight);
-        }
-        joined.row_start.push(joined.patch.len() as u32);
-    }
-    joined
 }

@@ -1,0 +1,79 @@
+//! What was made, for people.
+
+use serde::Serialize;
+
+use crate::rows::Row;
+
+/// The fine mesh, its receivers, and how light comes to them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Report {
+    /// Longest edge that was left whole, metres.
+    pub edge: f32,
+    /// Vertices of the fine mesh.
+    pub fine_vertices: usize,
+    /// Triangles of the fine mesh.
+    pub fine_triangles: usize,
+    /// Sides of fine vertices that receive light.
+    pub receivers: usize,
+    /// How it is interpolated.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interpolated: Option<Interpolated>,
+    /// How it is gathered.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gathered: Option<Gathered>,
+}
+
+/// Rows of weights over patches nearby.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Interpolated {
+    /// Weights in all rows.
+    pub entries: usize,
+    /// Weights in a row, on average.
+    pub mean_row: f64,
+    /// Weights in the longest row.
+    pub longest_row: usize,
+    /// Rows without a weight.
+    pub empty_rows: usize,
+    /// Rows that found no patch in sight and take the patch that they lie on.
+    pub fallback_rows: usize,
+    /// Rows that found patches only beyond the first radius.
+    pub widened_rows: usize,
+}
+
+impl Interpolated {
+    pub(crate) fn of(rows: &[Row]) -> Interpolated {
+        let count = |f: fn(&Row) -> bool| rows.iter().filter(|r| f(r)).count();
+        let entries = rows.iter().map(|r| r.entries.len()).sum();
+        Interpolated {
+            entries,
+            mean_row: entries as f64 / rows.len().max(1) as f64,
+            longest_row: rows.iter().map(|r| r.entries.len()).max().unwrap_or(0),
+            empty_rows: count(|r| r.entries.is_empty()),
+            fallback_rows: count(|r| r.fallback),
+            widened_rows: count(|r| r.widened),
+        }
+    }
+}
+
+/// Packed form factors of receivers.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Gathered {
+    /// Elements that light is gathered from.
+    pub elements: usize,
+    /// Rays of each receiver.
+    pub rays: u32,
+    /// Elements that a receiver sees, on average.
+    pub mean_row: f64,
+    /// Receivers that see nothing, not even the sky.
+    pub blind: usize,
+    /// Bytes of the packed rows.
+    pub bytes: usize,
+    /// Bytes per receiver.
+    pub bytes_per_receiver: f64,
+    /// Error of light that packing was allowed; shares, 0.01 is 1 %.
+    pub error_wanted: f64,
+    /// L2 norm of that error relative to that of the light, mean over probe lights that packing did not see.
+    pub l2_mean: f64,
+    /// 99th percentile of the error relative to what is seen at the place, mean over the same.
+    pub vis99: f64,
+}

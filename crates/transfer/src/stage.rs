@@ -1,0 +1,58 @@
+//! From container to container.
+
+use radfile::{Builder, Container, Elements, Mesh, Patches, Progress, Record, Sink, Step, Transfer};
+use scene::{Rays, Scene, Surfaces};
+
+use crate::{Error, Mode, Params, Report, Result, Senders, gather_memory_needed, subdivide, tessellate, transfer};
+
+/// The stage: reads the scene and its patches, adds `transfer.*` and, for a gather, `elements.*`.
+///
+/// # Errors
+///
+/// What [`transfer`] refuses, [`Error::CutOperator`], or a container that cannot be read or written.
+pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progress, sink: &mut Sink) -> Result<Report> {
+    if let (Mode::Gather, Some(bounces)) = (params.mode, radfile::bounces_held(input)?) {
+        return Err(Error::CutOperator { bounces });
+    }
+    let (mesh, patches) = (Mesh::read(input)?, Patches::read(input)?);
+    let rays = Rays::new(&mesh);
+    let elements = match params.mode {
+        Mode::Interpolate => Elements::whole(&patches),
+        Mode::Gather => {
+            let scene = Scene::read(input)?;
+            subdivide(&patches, &Surfaces::new(&scene.mesh, &scene.materials)?, &rays, progress)
+        }
+    };
+    let senders = Senders { patches: &patches, elements: &elements, rays: &rays };
+    let (transfer, report) = transfer(&mesh, &senders, params, progress)?;
+    let replaced = |name: &str| [Transfer::PREFIX, Elements::PREFIX].iter().any(|prefix| name.starts_with(prefix));
+    let mut builder = Builder::from_input(input, |s| !replaced(&s.name));
+    transfer.write(&mut builder);
+    if params.mode == Mode::Gather {
+        elements.write(&mut builder);
+    }
+    builder.provenance(Some(input), step)?;
+    sink(&builder)?;
+    Ok(report)
+}
+
+/// Bytes that [`run`] takes at most, about.
+///
+/// # Errors
+///
+/// A container without mesh or patches.
+pub fn memory_needed(input: &Container, params: &Params) -> Result<u64> {
+    if params.mode == Mode::Interpolate {
+        return Ok(0); // a tessellation that is out of proportion is refused by itself
+    }
+    let (mesh, patches) = (Mesh::read(input)?, Patches::read(input)?);
+    let edge = params.edge.unwrap_or(patches.locator.cell_size);
+    // A fine triangle has half a vertex, and a vertex about two receivers, one a side.
+    let receivers = tessellate::estimate(&mesh, edge).min(params.max_triangles as f64) as usize;
+    let senders = SENDERS_A_PATCH * patches.len();
+    let packing = hmatrix::rows_memory_needed(receivers, senders, &hmatrix::Params::error(params.gather_error));
+    Ok(gather_memory_needed(receivers, senders, &params.gather) + packing)
+}
+
+/// The patch and its elements, more than [`subdivide`] makes.
+const SENDERS_A_PATCH: usize = 6;
