@@ -1,6 +1,6 @@
 //! The GPU backend of `relight` and `render`; without the `gpu` feature it says so.
 
-use radfile::{PointRows, Weights};
+use radfile::PointRows;
 use relight::{Image, Operator, Parts, PointLight};
 use scene::{Camera, LightRig, SurfacePoint};
 
@@ -24,16 +24,10 @@ pub fn relight(
     let runtime = runtime(bake, operator)?;
     let position: Vec<[f32; 3]> = points.iter().map(|p| p.position.to_array()).collect();
     let normal: Vec<[f32; 3]> = points.iter().map(|p| p.normal.to_array()).collect();
-    let own;
-    let rows = match (rows, &bake.transfer.weights) {
-        (Some(rows), _) => rows,
-        (None, Weights::Interpolated(rows)) => {
-            own = PointRows::Interpolated(rows.clone());
-            &own
-        }
-        (None, Weights::Gathered(_)) => anyhow::bail!("gathered receivers are not on the GPU yet; use --backend cpu"),
+    let light = match rows {
+        Some(rows) => runtime.relight_points(rig, &position, &normal, rows)?,
+        None => runtime.relight_receivers(rig, &bake.transfer)?,
     };
-    let light = runtime.relight_points(rig, &position, &normal, rows)?;
     Ok((PointLight { direct: light.direct, indirect: light.indirect }, runtime.report().adapter.clone()))
 }
 
@@ -64,8 +58,9 @@ fn runtime(bake: &Bake, operator: &Operator) -> anyhow::Result<gpu_runtime::GpuR
         Operator::Hierarchical(matrix, _) => gpu_runtime::Packed::Hierarchical(matrix),
     };
     let (gpu, params) = (gpu_runtime::Gpu::new()?, gpu_runtime::Params::default());
-    let (scene, patches, elements) = (&bake.scene, &bake.patches, &bake.elements);
-    Ok(gpu_runtime::GpuRuntime::new(&gpu, scene, patches, elements, packed, bake.sky()?, &bake.transfer, &params)?)
+    let Bake { scene, patches, elements, transfer, .. } = bake;
+    let parts = gpu_runtime::Bake { scene, patches, elements, sky: bake.sky()?, transfer };
+    Ok(gpu_runtime::GpuRuntime::new(&gpu, &parts, packed, &params)?)
 }
 
 #[cfg(not(feature = "gpu"))]

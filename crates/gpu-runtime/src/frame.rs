@@ -1,7 +1,9 @@
 //! What frames work on, made once: a later frame makes no buffers for it.
 
+use std::f32::consts::PI;
+
 use crate::{
-    Gpu, Result,
+    Gpu, LastGather, Result,
     buffers::{Download, vec4},
     gather::{Gather, Mixture, RowTables},
     kernels::{Dispatch, Parametric},
@@ -24,6 +26,8 @@ pub struct FrameBuffers {
     send: Dispatch,
     radiosity: Dispatch,
     gather: Parametric,
+    /// Where receivers gather from all that they see.
+    last: Option<LastGather>,
     /// One for each lamp of the frame that had most.
     pub lamps: Vec<wgpu::Buffer>,
     /// Ways back of H⁰, of H, and of the light of receivers.
@@ -31,7 +35,8 @@ pub struct FrameBuffers {
 }
 
 impl FrameBuffers {
-    /// `rows` are the receivers; the first `receivers` of them are read back. `product` has the vectors x and H.
+    /// `rows` are the receivers and, behind them, the patches; the first `receivers` of them are read back, and those of
+    /// `last` take its light instead. `product` has the vectors x and H.
     pub fn new(
         gpu: &Gpu,
         patches: &PatchTables,
@@ -39,10 +44,14 @@ impl FrameBuffers {
         gather: &Gather,
         rows: &RowTables,
         receivers: usize,
+        last: Option<LastGather>,
     ) -> Result<FrameBuffers> {
         let element_h0 = patches.element_vectors(gpu, "direct light of elements")?;
         let h0 = patches.vectors(gpu, "direct light of patches")?;
-        let b = patches.sender_vectors(gpu, "radiosity of patches and elements")?;
+        let b = match &last {
+            Some(last) => last.sent().clone(),
+            None => patches.sender_vectors(gpu, "radiosity of patches and elements")?,
+        };
         let received = rows.vectors(gpu, "light of receivers")?;
         Ok(FrameBuffers {
             element_light: patches.element_light(gpu, &element_h0),
@@ -50,6 +59,7 @@ impl FrameBuffers {
             radiosity: patches.radiosity(gpu, [&element_h0, &product.h], &b),
             send: patches.send(gpu, &h0, &product.x),
             gather: gather.prepare(gpu, rows, &product.h, &patches.sky, &received),
+            last,
             lamps: Vec::new(),
             back: [patches.count, patches.count, receivers].map(|count| gpu.way_back(count)),
             h0,
@@ -87,8 +97,15 @@ impl FrameBuffers {
         self.product.run(encoder);
     }
 
-    /// Light of the receivers from H.
+    /// Light of the receivers from H and, where they gather, from H⁰ of the elements.
     pub fn gather(&self, gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, rows: &RowTables, mixture: Mixture) {
         self.gather.run(gpu, encoder, &mixture.params(rows));
+        if let Some(last) = &self.last {
+            self.radiosity(encoder);
+            last.set_sky(mixture.sky.map(|e| e / PI));
+            last.run(encoder);
+            let from = last.irradiance();
+            encoder.copy_buffer_to_buffer(from, 0, &self.received, 0, last.receivers() as u64 * 16);
+        }
     }
 }

@@ -68,6 +68,11 @@ impl LastGather {
         kernels::run(encoder, "last gather", &self.rows.product);
     }
 
+    /// Number of receivers.
+    pub fn receivers(&self) -> usize {
+        self.receivers
+    }
+
     /// Bytes of the rows on the device.
     pub fn bytes(&self) -> usize {
         self.rows.bytes

@@ -41,5 +41,5 @@ pub use last_gather::LastGather;
 pub use operator::Decode;
 pub use packed::Packed;
 pub use picture::Parts;
-pub use runtime::{GpuRuntime, Params, PointLight, Relit, Report};
+pub use runtime::{Bake, GpuRuntime, Params, PointLight, Relit, Report};
 pub use timing::{Clock, Timing};

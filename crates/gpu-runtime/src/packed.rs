@@ -67,7 +67,8 @@ impl Product {
                 Ok(Product { dispatches, x, h, bytes, bytes_read: bytes + again })
             }
             Packed::Hierarchical(matrix) => {
-                let Hierarchical { x, product, bytes, bytes_read, .. } = Hierarchical::new(gpu, &matrix.layout(), factors, &h)?;
+                let Hierarchical { x, product, bytes, bytes_read, .. } =
+                    Hierarchical::new(gpu, &matrix.layout(), factors, &h)?;
                 Ok(Product { dispatches: product.into(), x, h, bytes, bytes_read })
             }
         }

@@ -107,8 +107,7 @@ impl PatchTables {
     pub fn element_light(&self, gpu: &Gpu, h0: &wgpu::Buffer) -> Parametric {
         let uniform = gpu.uniform("element light", &ElementLightParams::default());
         let buffers = [&uniform, &self.points.irradiance, &self.range, &self.element_sky, h0];
-        let dispatch =
-            self.element_light.prepare_each(gpu, &buffers.map(|b| b.as_entire_binding()), self.elements);
+        let dispatch = self.element_light.prepare_each(gpu, &buffers.map(|b| b.as_entire_binding()), self.elements);
         Parametric::new(uniform, dispatch)
     }
 

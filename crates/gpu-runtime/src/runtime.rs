@@ -1,17 +1,19 @@
 //! A bake on the GPU, and its frames.
 
 use std::{
+    borrow::Cow,
     f32::consts::PI,
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
 use glam::DVec3;
+use hmatrix::Rectangle;
 use radfile::{Elements, Patches, PointRows, Rows, Transfer, Weights};
 use scene::{Camera, LightRig, Scene};
 use serde::Serialize;
 
 use crate::{
-    Error, Gpu, Packed, Parts, Result, Timing,
+    Error, Gpu, LastGather, Packed, Parts, Result, Timing,
     buffers::vec4,
     emitters,
     frame::FrameBuffers,
@@ -100,6 +102,21 @@ pub struct PointLight {
     pub indirect: Vec<[f32; 3]>,
 }
 
+/// The parts of a bake but for the operator; they must fit together.
+#[derive(Clone, Copy)]
+pub struct Bake<'a> {
+    /// Mesh and materials.
+    pub scene: &'a Scene,
+    /// Its patches.
+    pub patches: &'a Patches,
+    /// What they are parted into.
+    pub elements: &'a Elements,
+    /// What each patch sees of the sky, [`radfile::read_sky`].
+    pub sky: &'a [f32],
+    /// The receivers.
+    pub transfer: &'a Transfer,
+}
+
 /// A bake on the GPU.
 pub struct GpuRuntime {
     gpu: Gpu,
@@ -119,22 +136,14 @@ pub struct GpuRuntime {
 }
 
 impl GpuRuntime {
-    /// Uploads a bake. `sky` is [`radfile::read_sky`].
+    /// Uploads a bake.
     ///
     /// # Errors
     ///
     /// [`Error::Shape`] if the parts are of different numbers of patches, [`Error::TooLarge`] and
     /// [`Error::Unsupported`] if the adapter cannot hold them, [`Error::Scene`] for a texture that cannot be decoded.
-    pub fn new<'a>(
-        gpu: &Gpu,
-        scene: &Scene,
-        patches: &Patches,
-        elements: &Elements,
-        packed: impl Into<Packed<'a>>,
-        sky: &[f32],
-        transfer: &Transfer,
-        params: &Params,
-    ) -> Result<GpuRuntime> {
+    pub fn new<'a>(gpu: &Gpu, bake: &Bake, packed: impl Into<Packed<'a>>, params: &Params) -> Result<GpuRuntime> {
+        let &Bake { scene, patches, elements, sky, transfer } = bake;
         let (n, packed) = (patches.len(), packed.into());
         same_count("the packed operator", packed.patches(), n)?;
         same_count("the sky visibility", sky.len(), n)?;
@@ -159,11 +168,9 @@ impl GpuRuntime {
         let h = tables.vectors(gpu, "indirect light of patches")?;
         let product = Product::new(gpu, packed, sampled, &tables.factors, h)?;
         let (gather, operator_bytes) = (Gather::new(gpu), product.bytes);
-        let Weights::Interpolated(weights) = &transfer.weights else {
-            return Err(Error::Input { what: "gathered receivers are not on the GPU yet; use --backend cpu".into() });
-        };
-        let rows = RowTables::new(gpu, &with_patches(weights, n), n)?;
-        let frame = FrameBuffers::new(gpu, &tables, product, &gather, &rows, transfer.receivers())?;
+        let (weights, last) = weights(gpu, transfer, elements)?;
+        let rows = RowTables::new(gpu, &with_patches(&weights, n), n)?;
+        let frame = FrameBuffers::new(gpu, &tables, product, &gather, &rows, transfer.receivers(), last)?;
         let runtime = GpuRuntime {
             report: Report {
                 adapter: gpu.adapter().to_string(),
@@ -308,13 +315,7 @@ impl GpuRuntime {
             PointRows::Gathered { .. } => self.patches.count + self.patches.elements,
         };
         let tables = RowTables::new(gpu, rows.rows(), senders)?;
-        let wide = |values: &[[f32; 3]], w| values.iter().map(|&v| vec4(v, w)).collect::<Vec<_>>();
-        let points = Points {
-            position: gpu.storage("points", &wide(position, 1.0), "take the points in parts")?,
-            normal: gpu.storage("normals of points", &wide(normal, 0.0), "take the points in parts")?,
-            irradiance: tables.vectors(gpu, "direct light of points")?,
-            count,
-        };
+        let points = Points::new(gpu, position, normal)?;
         let (mut frame, mut encoder) = (self.frame(), gpu.encoder());
         let sky = lamps.sky.map(|l| PI * l);
         if let PointRows::Interpolated(_) = rows {
@@ -334,11 +335,38 @@ impl GpuRuntime {
         self.gather_into(&mut encoder, &tables, Mixture::LIGHT, light, &indirect);
         let downloads = [&points.irradiance, &indirect].map(|b| gpu.download(&mut encoder, b, count));
         let [mut direct, indirect] = gpu.finish(encoder, downloads)?;
-        if let PointRows::Gathered { sky: seen, .. } = rows {
-            for (e, seen) in direct.iter_mut().zip(seen) {
-                *e = std::array::from_fn(|c| e[c] + sky[c] * seen);
-            }
+        if let PointRows::Gathered { sky, .. } = rows {
+            add_sky(&mut direct, sky, lamps.sky);
         }
+        Ok(PointLight { direct, indirect })
+    }
+
+    /// Light at the bake's own receivers, of which `transfer` is: direct by shadow maps, all else as [`GpuRuntime::relight`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] for the receivers of another bake, otherwise as [`GpuRuntime::relight`].
+    pub fn relight_receivers(&self, rig: &LightRig, transfer: &Transfer) -> Result<PointLight> {
+        let (count, expected) = (transfer.receivers(), self.report.receivers);
+        if count != expected {
+            return Err(Error::Shape { what: format!("there are {count} receivers, the bake has {expected}") });
+        }
+        let sky = match &transfer.weights {
+            Weights::Gathered(gathered) => &gathered.sky,
+            Weights::Interpolated(rows) => {
+                let rows = PointRows::Interpolated(rows.clone());
+                return self.relight_points(rig, &transfer.position, &transfer.normal, &rows);
+            }
+        };
+        let (gpu, lamps) = (&self.gpu, self.studio.lamps(rig)?);
+        let points = Points::new(gpu, &transfer.position, &transfer.normal)?;
+        let (mut frame, mut encoder) = (self.frame(), gpu.encoder());
+        self.light_patches(&mut encoder, &mut frame, &lamps, &[&points]);
+        frame.bounce(&mut encoder);
+        frame.gather(gpu, &mut encoder, &self.rows, Mixture::LIGHT);
+        let downloads = [&points.irradiance, &frame.received].map(|b| gpu.download(&mut encoder, b, count));
+        let [mut direct, indirect] = gpu.finish(encoder, downloads)?;
+        add_sky(&mut direct, sky, lamps.sky);
         Ok(PointLight { direct, indirect })
     }
 
@@ -437,6 +465,29 @@ fn decide(gpu: &Gpu, packed: Packed, decode: Decode) -> Result<(bool, Option<f64
             Ok((bias.abs() <= probe::GOOD, Some(bias)))
         }
     }
+}
+
+/// Adds what each receiver sees of a sky of `radiance`.
+fn add_sky(direct: &mut [[f32; 3]], seen: &[f32], radiance: [f32; 3]) {
+    for (e, seen) in direct.iter_mut().zip(seen) {
+        *e = std::array::from_fn(|c| e[c] + PI * radiance[c] * seen);
+    }
+}
+
+/// Rows of the receivers, empty where they gather by the other.
+fn weights<'a>(gpu: &Gpu, transfer: &'a Transfer, elements: &Elements) -> Result<(Cow<'a, Rows>, Option<LastGather>)> {
+    let gathered = match &transfer.weights {
+        Weights::Interpolated(rows) => return Ok((Cow::Borrowed(rows), None)),
+        Weights::Gathered(gathered) => gathered,
+    };
+    let rows = Rectangle::from_bytes(&gathered.stream).map_err(|e| Error::Shape { what: e.to_string() })?;
+    if rows.senders() != elements.senders() {
+        let (found, expected) = (rows.senders(), elements.senders());
+        let what = format!("the receivers gather from {found} senders, the bake has {expected}; run transfer again");
+        return Err(Error::Shape { what });
+    }
+    let empty = Rows { row_start: vec![0; transfer.receivers() + 1], ..Rows::default() };
+    Ok((Cow::Owned(empty), Some(LastGather::new(gpu, &rows, &gathered.sky)?)))
 }
 
 /// Rows, followed by one for each patch that names it alone.

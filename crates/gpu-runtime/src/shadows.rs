@@ -7,6 +7,7 @@ use radfile::Mesh;
 
 use crate::{
     Error, Gpu, Result,
+    buffers::vec4,
     kernels::{self, Kernel},
     lamp::Lamp,
 };
@@ -21,6 +22,20 @@ pub struct Points {
     pub irradiance: wgpu::Buffer,
     /// Number of points.
     pub count: usize,
+}
+
+impl Points {
+    /// Points in the dark.
+    pub fn new(gpu: &Gpu, position: &[[f32; 3]], normal: &[[f32; 3]]) -> Result<Points> {
+        const PARTS: &str = "take the points in parts";
+        let wide = |values: &[[f32; 3]], w| values.iter().map(|&v| vec4(v, w)).collect::<Vec<_>>();
+        Ok(Points {
+            position: gpu.storage("points", &wide(position, 1.0), PARTS)?,
+            normal: gpu.storage("normals of points", &wide(normal, 0.0), PARTS)?,
+            irradiance: gpu.vectors("direct light of points", position.len(), PARTS)?,
+            count: position.len(),
+        })
+    }
 }
 
 /// The mesh and the maps its shadows are drawn into.

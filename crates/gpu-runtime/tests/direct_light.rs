@@ -10,7 +10,7 @@ use scene::{Light, LightRig, Rays};
 
 fn runtime(gpu: &Gpu, room: &Room, params: &Params) -> GpuRuntime {
     let packed = diagonal_operator(room.patches.len() as u32, 0.5);
-    GpuRuntime::new(gpu, &room.scene, &room.patches, &packed, &room.sky, &room.transfer, params).expect("it fits")
+    GpuRuntime::new(gpu, &room.bake(), &packed, params).expect("it fits")
 }
 
 fn rig(light: Light) -> LightRig {
@@ -21,8 +21,8 @@ fn rig(light: Light) -> LightRig {
 fn traced(room: &Room, rig: &LightRig, area: u32) -> Vec<[f32; 3]> {
     let operator = diagonal_operator(room.patches.len() as u32, 0.5).into();
     let rays = Rays::new(&room.scene.mesh);
-    let relighter = Relighter::new(&room.scene, &rays, &room.patches, &operator, &room.sky).unwrap();
-    relighter.patch_light(&relighter.direct_light(rig), &PatchSamples { points: 32, area }, &Quiet)
+    let relighter = Relighter::new(&room.scene, &rays, &room.patches, &room.elements, &operator, &room.sky).unwrap();
+    relighter.element_light(&relighter.direct_light(rig), &PatchSamples { points: 32, area }, &Quiet)
 }
 
 fn lights() -> Vec<(&'static str, Light)> {

@@ -31,7 +31,7 @@ fn packed(patches: &Patches, channels: usize, error: f64, leaf: usize) -> HMatri
 
 fn runtime(gpu: &Gpu, room: &Room, matrix: &HMatrix) -> GpuRuntime {
     let params = Params { patch_samples: 2, shadow_resolution: 64, ..Params::default() };
-    GpuRuntime::new(gpu, &room.scene, &room.patches, matrix, &room.sky, &room.transfer, &params).expect("it fits")
+    GpuRuntime::new(gpu, &room.bake(), matrix, &params).expect("it fits")
 }
 
 /// Direct light that varies from patch to patch.
@@ -155,7 +155,7 @@ fn frames_bring_the_light_that_the_cpu_computes_from_their_direct_light() {
     for frame in [&first, &other] {
         let expected = irradiance(&room.patches, &frame.direct, |x| on_the_cpu(&matrix, x));
         assert!(off(&frame.indirect, &expected) < 1e-5);
-        assert_eq!(frame.receivers, runtime.gather(&room.transfer.rows, &frame.indirect).unwrap());
+        assert_eq!(frame.receivers, runtime.gather(&room.rows, &frame.indirect).unwrap());
     }
     assert!(other.indirect[0][0] > 10.0 * first.indirect[0][0]);
     assert_eq!(runtime.relight(&rig(1.0)).unwrap(), first, "the same frame again");
@@ -176,7 +176,7 @@ fn an_operator_of_another_bake_is_refused() {
     let [room, other] = [cornell(4), cornell(3)];
     let matrix = packed(&other.patches, 1, 0.1, 24);
     let params = Params { patch_samples: 1, shadow_resolution: 4, ..Params::default() };
-    let made = GpuRuntime::new(&gpu, &room.scene, &room.patches, &matrix, &room.sky, &room.transfer, &params);
+    let made = GpuRuntime::new(&gpu, &room.bake(), &matrix, &params);
     let text = made.err().expect("refused").to_string();
     assert!(text.starts_with("the packed operator is of ") && text.contains("one bake"), "{text}");
 }
@@ -198,8 +198,7 @@ fn a_product_is_timed_without_changing_it() {
     assert_eq!(runtime.patch_indirect(&h0).unwrap(), before);
     let textures = diagonal_operator(room.patches.len() as u32, 0.5);
     let params = Params { patch_samples: 1, shadow_resolution: 4, ..Params::default() };
-    let by_textures =
-        GpuRuntime::new(&gpu, &room.scene, &room.patches, &textures, &room.sky, &room.transfer, &params).unwrap();
+    let by_textures = GpuRuntime::new(&gpu, &room.bake(), &textures, &params).unwrap();
     let timing = by_textures.time_product(&h0, 3).unwrap();
     assert_eq!(timing.bytes_read, by_textures.report().operator_bytes, "blocks are read once");
     let text = runtime.time_product(&h0, 0).unwrap_err().to_string();

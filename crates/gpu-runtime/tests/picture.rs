@@ -17,7 +17,7 @@ const SIZE: [u32; 2] = [70, 50];
 fn runtime(gpu: &Gpu, room: &Room, factor: f32) -> GpuRuntime {
     let packed = diagonal_operator(room.patches.len() as u32, factor);
     let params = Params { patch_samples: 16, pixel_detail: 1, ..Params::default() };
-    GpuRuntime::new(gpu, &room.scene, &room.patches, &packed, &room.sky, &room.transfer, &params).expect("it fits")
+    GpuRuntime::new(gpu, &room.bake(), &packed, &params).expect("it fits")
 }
 
 /// A floor of 4 m by 4 m around a far origin, and a camera above that sees its border.
@@ -187,8 +187,7 @@ fn textures_colour_what_is_seen() {
     room.scene.materials.textures[0].bytes.truncate(30);
     let packed = diagonal_operator(room.patches.len() as u32, 0.5);
     let params = Params::default();
-    let (scene, transfer) = (&room.scene, &room.transfer);
-    let error = GpuRuntime::new(&gpu, scene, &room.patches, &packed, &room.sky, transfer, &params).err().unwrap();
+    let error = GpuRuntime::new(&gpu, &room.bake(), &packed, &params).err().unwrap();
     assert!(error.to_string().starts_with("halves.png: the texture cannot be decoded"), "{error}");
 }
 
@@ -221,15 +220,17 @@ fn a_picture_is_that_of_the_cpu() {
     let camera = Camera { origin: [2.75, 0.1, 2.75], target: [2.75, 5.0, 2.2], up: [0.0, 0.0, 1.0], fov_x_deg: 80.0 };
     let packed = diagonal_operator(room.patches.len() as u32, 0.5);
     let params = Params { pixel_detail: 4, ..Params::default() };
-    let runtime =
-        GpuRuntime::new(&gpu, &room.scene, &room.patches, &packed, &room.sky, &room.transfer, &params).unwrap();
+    let runtime = GpuRuntime::new(&gpu, &room.bake(), &packed, &params).unwrap();
     let found = runtime.render(&rig, &camera, 64, 64, Parts::default()).unwrap();
     let rays = scene::Rays::new(&room.scene.mesh);
     let operator = packed.clone().into();
-    let bake = relight::Relighter::new(&room.scene, &rays, &room.patches, &operator, &room.sky).unwrap();
+    let bake =
+        relight::Relighter::new(&room.scene, &rays, &room.patches, &room.elements, &operator, &room.sky).unwrap();
     let light = bake.direct_light(&rig);
     let frame = bake.frame(&light, &relight::PatchSamples::default(), &radfile::Quiet);
-    let shown = relight::Shown { bake: &bake, transfer: &room.transfer, light: &light, frame: &frame };
+    let receivers = relight::Receivers::Interpolated(&room.rows);
+    let shown =
+        relight::Shown { bake: &bake, transfer: &room.transfer, receivers: &receivers, light: &light, frame: &frame };
     let look = relight::Look { width: 64, height: 64, samples: 64, ..relight::Look::default() };
     let truth = relight::render(&shown, &camera, &look, &radfile::Quiet).pixels;
     let (mean, rms) = common::difference(&found, &truth);
@@ -277,9 +278,7 @@ fn what_does_not_fit_together_or_into_the_device_is_said() {
     let text = say(bad.gather(&rows, &[[0.0; 3]; 16]).unwrap_err());
     assert_eq!(text, "weights of receivers: an entry names patch 16, there are 16");
     let packed = diagonal_operator(16, 0.5);
-    let build = |room: &Room, params: &Params| {
-        GpuRuntime::new(&gpu, &room.scene, &room.patches, &packed, &room.sky, &room.transfer, params)
-    };
+    let build = |room: &Room, params: &Params| GpuRuntime::new(&gpu, &room.bake(), &packed, params);
     let text = say(build(&room, &Params { patch_samples: 0, ..Params::default() }).err().unwrap());
     assert_eq!(text, "patch_samples is 0, expected at least 1");
     let text = say(build(&room, &Params { shadow_resolution: 1 << 20, ..Params::default() }).err().unwrap());

@@ -21,7 +21,7 @@ fn strip(n: u32) -> Room {
 
 fn runtime(gpu: &Gpu, room: &Room, packed: &PackedOperator, decode: Decode) -> GpuRuntime {
     let params = Params { decode, patch_samples: 1, shadow_resolution: 4, ..Params::default() };
-    GpuRuntime::new(gpu, &room.scene, &room.patches, packed, &room.sky, &room.transfer, &params).expect("it fits")
+    GpuRuntime::new(gpu, &room.bake(), packed, &params).expect("it fits")
 }
 
 /// Direct light that varies from patch to patch.

@@ -146,7 +146,10 @@ impl Elements {
             return broken(format!("point {p} lies on face {}, there are {faces}", self.point_face[p]));
         }
         if let Some(p) = self.edge.iter().position(|&e| !(e > 0.0 && e.is_finite())) {
-            return broken(format!("the cells of patch {p} have an edge of {}, expected a positive number", self.edge[p]));
+            return broken(format!(
+                "the cells of patch {p} have an edge of {}, expected a positive number",
+                self.edge[p]
+            ));
         }
         if !self.grid_origin.iter().all(|x| x.is_finite()) {
             return broken(format!("the grid starts at {:?}, expected finite numbers", self.grid_origin));
@@ -171,7 +174,8 @@ impl<'a> Record<'a> for Elements {
     /// Reads the record and checks it against patches and mesh, which must be in the same container.
     fn read(c: &'a Container) -> Result<Elements> {
         let edge = c.array_of::<f32>("elements.edge", &[None])?;
-        let (area, key) = (c.array_of::<f32>("elements.area", &[None])?, c.array_of::<u64>("elements.cell_key", &[None])?);
+        let (area, key) =
+            (c.array_of::<f32>("elements.area", &[None])?, c.array_of::<u64>("elements.cell_key", &[None])?);
         let (n, m) = (Some(edge.len() + 1), Some(area.len()));
         let point = c.array_of::<f32>("elements.point", &[None, Some(3)])?;
         let origin = c.array_of::<f32>("elements.grid_origin", &[Some(3)])?;

@@ -5,7 +5,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Builder, Container, Error, FLAG_PATCH_ORDER, FLAG_REQUIRED, Result};
+use crate::{Builder, Container, Error, FLAG_PATCH_ORDER, Result};
 
 /// What the packed rows are and what they were measured to be.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -60,11 +60,11 @@ impl Gathered {
         Ok(Gathered { certificate, stream, sky })
     }
 
-    /// Adds those of the set `prefix`.
-    pub fn write<'b>(&'b self, b: &mut Builder<'b>, prefix: &str) {
-        b.meta(&format!("{prefix}gather_meta"), FLAG_REQUIRED, &self.certificate);
-        b.array(&format!("{prefix}sky"), FLAG_REQUIRED, &[self.sky.len()], &self.sky[..]);
-        let flags = FLAG_REQUIRED | FLAG_PATCH_ORDER;
-        b.array(&format!("{prefix}gather"), flags, &[self.stream.len()], &self.stream[..]);
+    /// Adds those of the set `prefix`; `flags` are [`crate::FLAG_REQUIRED`], or 0 for receivers that a reader may do
+    /// without.
+    pub fn write<'b>(&'b self, b: &mut Builder<'b>, prefix: &str, flags: u32) {
+        b.meta(&format!("{prefix}gather_meta"), flags, &self.certificate);
+        b.array(&format!("{prefix}sky"), flags, &[self.sky.len()], &self.sky[..]);
+        b.array(&format!("{prefix}gather"), flags | FLAG_PATCH_ORDER, &[self.stream.len()], &self.stream[..]);
     }
 }

@@ -35,7 +35,8 @@ impl Rows {
 
     /// What arrives at every receiver of the light of the senders.
     pub fn gather(&self, light: &[[f32; 3]]) -> Vec<[f32; 3]> {
-        let add = |sum: [f32; 3], (sender, weight): (usize, f32)| std::array::from_fn(|c| sum[c] + weight * light[sender][c]);
+        let add =
+            |sum: [f32; 3], (sender, weight): (usize, f32)| std::array::from_fn(|c| sum[c] + weight * light[sender][c]);
         (0..self.len()).map(|receiver| self.row(receiver).fold([0.0; 3], add)).collect()
     }
 }
@@ -223,7 +224,7 @@ impl<'a> Record<'a> for Transfer {
         b.array("transfer.normal", FLAG_REQUIRED, &[self.receivers(), 3], self.normal.as_flattened());
         match &self.weights {
             Weights::Interpolated(rows) => write_rows(rows, b),
-            Weights::Gathered(gathered) => gathered.write(b, Self::PREFIX),
+            Weights::Gathered(gathered) => gathered.write(b, Self::PREFIX, FLAG_REQUIRED),
         }
         b.array("transfer.fine_vertex", FLAG_REQUIRED, &[fine.vertex.len(), 3], fine.vertex.as_flattened());
         b.array("transfer.fine_triangle", FLAG_REQUIRED, &[fine.triangle.len(), 3], fine.triangle.as_flattened());

@@ -4,9 +4,9 @@ use radfile::{Elements, FormFactors, Patches, Progress};
 use scene::{ElementPoints, LightRig, Rays, Scene, Surfaces};
 
 use crate::{
-    DirectLight, Operator, PatchSamples, bounces,
+    DirectLight, Operator, PatchSamples, bounces, element_irradiance,
     error::{Error, Result},
-    element_irradiance, indirect,
+    indirect,
 };
 
 /// The parts of a bake that a frame needs; they are known to fit together.

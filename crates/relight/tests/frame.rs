@@ -30,7 +30,8 @@ fn noise(n: u32, channels: u32, format: BlockFormat, map: ValueMap) -> PackedOpe
 }
 
 fn frame(cube: &Cube, rays: &Rays, rig: &LightRig) -> Frame {
-    let bake = Relighter::new(&cube.scene, rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).unwrap();
+    let bake =
+        Relighter::new(&cube.scene, rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).unwrap();
     bake.frame(&bake.direct_light(rig), &PatchSamples::default(), &Quiet)
 }
 
@@ -71,7 +72,8 @@ fn the_first_bounces_are_their_share_of_all() {
 fn points_in_a_furnace_have_the_light_of_the_furnace() {
     let cube = cube(2, 0.5, 1.0);
     let rays = Rays::new(&cube.scene.mesh);
-    let bake = Relighter::new(&cube.scene, &rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).unwrap();
+    let bake =
+        Relighter::new(&cube.scene, &rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).unwrap();
     let light = bake.direct_light(&emission());
     let frame = bake.frame(&light, &PatchSamples::default(), &Quiet);
     let points =
@@ -88,12 +90,24 @@ fn points_in_a_furnace_have_the_light_of_the_furnace() {
 
 fn picture(cube: &Cube, rig: &LightRig, look: &Look) -> Image {
     let rays = Rays::new(&cube.scene.mesh);
-    let bake = Relighter::new(&cube.scene, &rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).unwrap();
+    let bake =
+        Relighter::new(&cube.scene, &rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).unwrap();
     let light = bake.direct_light(rig);
     let frame = bake.frame(&light, &PatchSamples::default(), &Quiet);
     let (transfer, rows) = corners_receive(&cube.scene.mesh);
     let camera = Camera { origin: [0.1, 0.2, 0.3], target: [0.9, 0.8, 0.6], up: [0.0, 1.0, 0.0], fov_x_deg: 90.0 };
-    render(&Shown { bake: &bake, transfer: &transfer, receivers: &Receivers::Interpolated(&rows), light: &light, frame: &frame }, &camera, look, &Quiet)
+    render(
+        &Shown {
+            bake: &bake,
+            transfer: &transfer,
+            receivers: &Receivers::Interpolated(&rows),
+            light: &light,
+            frame: &frame,
+        },
+        &camera,
+        look,
+        &Quiet,
+    )
 }
 
 fn small(parts: Parts) -> Look {
@@ -129,13 +143,20 @@ fn a_camera_outside_sees_the_sky_around_the_cube() {
     let mut cube = cube(2, 0.5, 0.0);
     cube.scene.mesh.one_sided = true;
     let rays = Rays::new(&cube.scene.mesh);
-    let bake = Relighter::new(&cube.scene, &rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).unwrap();
+    let bake =
+        Relighter::new(&cube.scene, &rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).unwrap();
     let light = bake.direct_light(&rig(r#"{"type":"sky","radiance":[3,4,5]}"#));
     let frame = bake.frame(&light, &PatchSamples::default(), &Quiet);
     let (transfer, rows) = corners_receive(&cube.scene.mesh);
     let camera = Camera { origin: [0.5, 0.5, 3.0], target: [0.5, 0.5, 0.0], up: [0.0, 1.0, 0.0], fov_x_deg: 90.0 };
     let image = render(
-        &Shown { bake: &bake, transfer: &transfer, receivers: &Receivers::Interpolated(&rows), light: &light, frame: &frame },
+        &Shown {
+            bake: &bake,
+            transfer: &transfer,
+            receivers: &Receivers::Interpolated(&rows),
+            light: &light,
+            frame: &frame,
+        },
         &camera,
         &Look { width: 9, height: 9, ..small(Parts::All) },
         &Quiet,
@@ -163,12 +184,15 @@ fn a_picture_shows_no_light_of_receivers_behind_a_wall() {
     let elements = Elements::whole(&patches);
     let bake = Relighter::new(&scene, &rays, &patches, &elements, &operator, &[0.0; 2]).unwrap();
     let light = bake.direct_light(&rig(""));
-    let frame = Frame {
-        element_direct: vec![[0.0; 3]; 2],
-        direct: vec![[0.0; 3]; 2],
-        indirect: vec![[0.0; 3], [100.0; 3]],
+    let frame =
+        Frame { element_direct: vec![[0.0; 3]; 2], direct: vec![[0.0; 3]; 2], indirect: vec![[0.0; 3], [100.0; 3]] };
+    let shown = Shown {
+        bake: &bake,
+        transfer: &transfer,
+        receivers: &Receivers::Interpolated(&rows),
+        light: &light,
+        frame: &frame,
     };
-    let shown = Shown { bake: &bake, transfer: &transfer, receivers: &Receivers::Interpolated(&rows), light: &light, frame: &frame };
     let seen_from = |x: f64| {
         let camera = Camera { origin: [x, 2.0, 0.1], target: [x, 0.0, 0.0], up: [0.0, 0.0, 1.0], fov_x_deg: 20.0 };
         render(&shown, &camera, &Look { width: 16, height: 16, ..small(Parts::All) }, &Quiet)
@@ -195,13 +219,18 @@ fn parts_of_different_bakes_are_refused() {
     let (small, large) = (cube(1, 0.5, 0.0), cube(2, 0.5, 0.0));
     let rays = Rays::new(&small.scene.mesh);
     let refused = |operator, sky| {
-        Relighter::new(&small.scene, &rays, &small.patches, &small.elements, operator, sky).err().expect("6 and 24 differ").to_string()
+        Relighter::new(&small.scene, &rays, &small.patches, &small.elements, operator, sky)
+            .err()
+            .expect("6 and 24 differ")
+            .to_string()
     };
     let text = refused(&large.operator, &small.factors.sky);
     assert_eq!(text, "the packed operator is for 24 patches, the bake has 6; bake the scene again");
     let text = refused(&small.operator, &large.factors.sky);
     assert_eq!(text, "the sky visibility is for 24 patches, the bake has 6; bake the scene again");
-    let bake = Relighter::new(&small.scene, &rays, &small.patches, &small.elements, &small.operator, &small.factors.sky).unwrap();
+    let bake =
+        Relighter::new(&small.scene, &rays, &small.patches, &small.elements, &small.operator, &small.factors.sky)
+            .unwrap();
     let light = bake.direct_light(&rig(""));
     let text = bake.frame_of_bounces(&light, &large.factors, 2, &PatchSamples::default(), &Quiet).unwrap_err();
     assert_eq!(text.to_string(), "the form-factor matrix is for 24 patches, the bake has 6; bake the scene again");
@@ -213,7 +242,8 @@ fn a_texture_that_cannot_be_decoded_is_named() {
     let texture = radfile::Texture { name: "wall.png".into(), bytes: vec![1, 2], wrap: [radfile::Wrap::Clamp; 2] };
     cube.scene.materials.textures.push(texture);
     let rays = Rays::new(&cube.scene.mesh);
-    let error = Relighter::new(&cube.scene, &rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).err();
+    let error =
+        Relighter::new(&cube.scene, &rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).err();
     assert!(
         error.expect("two bytes are no picture").to_string().starts_with("wall.png: the texture cannot be decoded")
     );

@@ -8,9 +8,9 @@
 use std::collections::BTreeMap;
 
 use glam::Vec3;
-use radfile::{CellKey, Elements, Patches, Progress, face_id};
+use radfile::{CellKey, Elements, Patches, Progress};
 use rayon::prelude::*;
-use scene::{PatchSampler, Rays, Sobol, Surfaces, cosine_direction, hash};
+use scene::{Landing, PatchSampler, Rays, Sobol, Surfaces, cosine_direction, hash, land};
 
 /// Rays for each patch, on average.
 const RAYS: f64 = 512.0;
@@ -24,13 +24,6 @@ const DRAWN: u32 = 64;
 const SMALLEST_SHARE: f64 = 1.0 / 32.0;
 /// Points at which the direct light of an element is looked up.
 const POINTS: usize = 8;
-
-/// A place of a patch that was seen.
-#[derive(Clone, Copy)]
-struct Landing {
-    position: Vec3,
-    face: u32,
-}
 
 /// The elements of one patch.
 struct Parted {
@@ -94,27 +87,33 @@ fn landings(patches: &Patches, rays: &Rays, progress: &dyn Progress) -> Vec<Vec<
         let (fewest, most) = RAYS_OF_A_PATCH;
         let count = (per_area * f64::from(patches.area[patch])).clamp(fewest, most) as u32;
         let sobol = Sobol::new(hash(0xe1e3, patch as u32));
-        let land = |k: u32| {
+        let landing = |k: u32| {
             let [x, y, u, v] = sobol.sample(k);
             let point = sampler.point(patch, x, y);
             let origin = rays.off_surface(point.position, point.normal);
             let direction = cosine_direction(point.normal, u, v);
-            let hit = rays.closest(origin, direction, f32::INFINITY, point.triangle)?;
-            let landing = Landing { position: origin + hit.t * direction, face: face_id(hit.triangle, hit.side) };
-            Some((patches.locator.patch_at(landing.face, landing.position.to_array())?, landing))
+            land(rays, &patches.locator, origin, direction, point.triangle)
         };
         progress.advance(1);
-        (0..count).filter_map(land).collect::<Vec<_>>()
+        (0..count).filter_map(landing).collect::<Vec<_>>()
     };
-    let all: Vec<Vec<(u32, Landing)>> = (0..patches.len()).into_par_iter().map(from).collect();
+    let all: Vec<Vec<Landing>> = (0..patches.len()).into_par_iter().map(from).collect();
     let mut on: Vec<Vec<Landing>> = vec![Vec::new(); patches.len()];
-    all.into_iter().flatten().for_each(|(patch, landing)| on[patch as usize].push(landing));
+    for landing in all.into_iter().flatten() {
+        if let Some(patch) = landing.patch {
+            on[patch as usize].push(landing);
+        }
+    }
     for (patch, landings) in on.iter_mut().enumerate().filter(|(_, l)| l.len() < FEWEST_LANDINGS) {
         let sobol = Sobol::new(hash(0xd2a1, patch as u32));
         let draw = |k: u32| {
             let [x, y, ..] = sobol.sample(k);
             let point = sampler.point(patch, x, y);
-            Landing { position: point.position, face: face_on(patches, patch, point.triangle) }
+            Landing {
+                position: point.position,
+                face: face_on(patches, patch, point.triangle),
+                patch: Some(patch as u32),
+            }
         };
         *landings = (0..DRAWN).map(draw).collect();
     }
@@ -148,9 +147,11 @@ fn part(patches: &Patches, surfaces: &Surfaces, patch: usize, edge: f32, landing
         numbered.push((*key, number as u32));
     }
     let share = |group: &Vec<Landing>| patches.area[patch] * group.len() as f32 / landings.len() as f32;
-    let elements = groups
-        .into_iter()
-        .map(|group| Part { area: share(&group), reflectance: reflectance(surfaces, &group), points: spread(group) });
+    let elements = groups.into_iter().map(|group| Part {
+        area: share(&group),
+        reflectance: reflectance(surfaces, &group),
+        points: spread(group),
+    });
     let elements: Vec<Part> = elements.collect();
     let cells = if elements.len() < 2 { vec![] } else { numbered };
     Parted { elements, cells }

@@ -51,6 +51,17 @@ pub enum Error {
         /// The highest bounce that it holds.
         bounces: u32,
     },
+    /// What is only gathered was asked for without a gather.
+    #[error(
+        "{what} is only made where light is gathered; leave out --mode interpolate, and run series without --bounces"
+    )]
+    NotGathered {
+        /// What was asked for.
+        what: &'static str,
+    },
+    /// There is no lightmap.
+    #[error(transparent)]
+    Lightmap(#[from] lightmap::Error),
     /// The gathered rows cannot be packed.
     #[error(transparent)]
     Packing(#[from] hmatrix::Error),

@@ -11,9 +11,9 @@
 //! the rays are those of the form factors of patches.
 
 use glam::Vec3;
-use radfile::{Elements, GatherCertificate, Gathered, Patches, PointRows, Progress, Rows, face_id};
+use radfile::{Elements, GatherCertificate, Gathered, Patches, PointRows, Progress, Rows};
 use rayon::prelude::*;
-use scene::{Rays, Sobol, SurfacePoint, cosine_direction, hash};
+use scene::{Rays, Sobol, SurfacePoint, cosine_direction, hash, land};
 
 use crate::{
     Result, report,
@@ -115,8 +115,13 @@ pub fn pack(
         l2_mean,
         vis99,
     };
-    let certificate =
-        GatherCertificate { senders: elements.senders() as u32, rays: params.rays, error_wanted: error, l2_mean, vis99 };
+    let certificate = GatherCertificate {
+        senders: elements.senders() as u32,
+        rays: params.rays,
+        error_wanted: error,
+        l2_mean,
+        vis99,
+    };
     Ok((Gathered { certificate, stream: packed.to_bytes().to_vec(), sky }, report))
 }
 
@@ -157,14 +162,12 @@ impl Senders<'_> {
         for k in 0..count {
             let [u, v, ..] = sobol.sample(k);
             let direction = cosine_direction(point.normal, u, v);
-            let Some(hit) = self.rays.closest(origin, direction, f32::INFINITY, point.triangle) else {
+            let Some(landing) = land(self.rays, &self.patches.locator, origin, direction, point.triangle) else {
                 escaped += 1;
                 continue;
             };
-            let place = (origin + hit.t * direction).to_array();
-            let face = face_id(hit.triangle, hit.side);
-            let Some(patch) = self.patches.locator.patch_at(face, place) else { continue };
-            let element = self.elements.at(patch as usize, place);
+            let Some(patch) = landing.patch else { continue };
+            let element = self.elements.at(patch as usize, landing.position.to_array());
             if counts[element as usize] == 0 {
                 met.push((patch, element));
             }

@@ -12,13 +12,14 @@
 //!
 //! Every weight stands for a path through open air that was tested by rays, so no light passes a wall however thin it is.
 //!
-//! [`transfer`] makes the record of a bake, [`gather_for_points`] and [`interpolate_for_points`] the rows of any other
+//! [`transfer`] makes the record of a bake, [`lightmap()`] that of a lightmap, [`gather_for_points`] and [`interpolate_for_points`] the rows of any other
 //! points.
 
 mod elements;
 mod error;
 mod fit;
 mod gather;
+
 mod neighbours;
 mod points;
 mod receivers;
@@ -27,6 +28,7 @@ mod rows;
 mod sight;
 mod stage;
 mod tessellate;
+mod texels;
 mod triangle;
 
 pub use elements::subdivide;
@@ -35,6 +37,7 @@ pub use gather::{GatherParams, Senders, gather_for_points, gather_memory_needed,
 pub use points::rows_for_points as interpolate_for_points;
 pub use report::{Gathered, Interpolated, Report};
 pub use stage::{memory_needed, run};
+pub use texels::{LightmapParams, lightmap};
 
 use radfile::{Mesh, Patches, Progress, Transfer, Weights};
 use rayon::prelude::*;
@@ -52,7 +55,7 @@ pub enum Mode {
     Interpolate,
 }
 
-/// How fine the receivers are and how light comes to them.
+/// What receives, how fine it is and how light comes to it.
 #[derive(Clone, Debug)]
 pub struct Params {
     /// How light comes to them.
@@ -67,6 +70,8 @@ pub struct Params {
     pub gather: GatherParams,
     /// Error of the receivers' light that packing the gather may cause: L2, mean over probe lights; 0.01 is 1 %.
     pub gather_error: f64,
+    /// A lightmap to make as well; it is gathered.
+    pub lightmap: Option<LightmapParams>,
 }
 
 impl Default for Params {
@@ -78,6 +83,7 @@ impl Default for Params {
             max_triangles: 4_000_000,
             gather: GatherParams { rays: 2048, ..GatherParams::default() },
             gather_error: 0.01,
+            lightmap: None,
         }
     }
 }

@@ -21,6 +21,21 @@ pub struct Report {
     /// How it is gathered.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gathered: Option<Gathered>,
+    /// The lightmap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lightmap: Option<Lightmap>,
+}
+
+/// A lightmap and what its texels gather.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Lightmap {
+    /// Where the coordinates of the mesh come from.
+    pub coordinates: String,
+    /// How its texels are placed.
+    #[serde(flatten)]
+    pub placed: lightmap::Report,
+    /// Their form factors.
+    pub gathered: Gathered,
 }
 
 /// Rows of weights over patches nearby.

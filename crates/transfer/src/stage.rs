@@ -1,18 +1,25 @@
 //! From container to container.
 
-use radfile::{Builder, Container, Elements, Mesh, Patches, Progress, Record, Sink, Step, Transfer};
+use radfile::{Builder, Container, Elements, Lightmap, Mesh, Patches, Progress, Record, Sink, Step, Transfer};
 use scene::{Rays, Scene, Surfaces};
 
-use crate::{Error, Mode, Params, Report, Result, Senders, gather_memory_needed, subdivide, tessellate, transfer};
+use crate::{
+    Error, Mode, Params, Report, Result, Senders, gather_memory_needed, lightmap, subdivide, tessellate, transfer,
+};
 
-/// The stage: reads the scene and its patches, adds `transfer.*` and, for a gather, `elements.*`.
+/// The stage: reads the scene and its patches, adds `transfer.*`, for a gather `elements.*`, and `lightmap.*` if asked for.
+/// What an earlier run of the stage made is dropped.
 ///
 /// # Errors
 ///
-/// What [`transfer`] refuses, [`Error::CutOperator`], or a container that cannot be read or written.
+/// What [`transfer`] and [`lightmap`] refuse, [`Error::CutOperator`], [`Error::NotGathered`], or a container that cannot be
+/// read or written.
 pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progress, sink: &mut Sink) -> Result<Report> {
     if let (Mode::Gather, Some(bounces)) = (params.mode, radfile::bounces_held(input)?) {
         return Err(Error::CutOperator { bounces });
+    }
+    if params.mode != Mode::Gather && params.lightmap.is_some() {
+        return Err(Error::NotGathered { what: "a lightmap" });
     }
     let (mesh, patches) = (Mesh::read(input)?, Patches::read(input)?);
     let rays = Rays::new(&mesh);
@@ -24,12 +31,19 @@ pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progre
         }
     };
     let senders = Senders { patches: &patches, elements: &elements, rays: &rays };
-    let (transfer, report) = transfer(&mesh, &senders, params, progress)?;
-    let replaced = |name: &str| [Transfer::PREFIX, Elements::PREFIX].iter().any(|prefix| name.starts_with(prefix));
+    let (transfer, mut report) = transfer(&mesh, &senders, params, progress)?;
+    let lightmap = params.lightmap.map(|size| lightmap(&mesh, &senders, &size, params, progress)).transpose()?;
+    let own = [Transfer::PREFIX, Elements::PREFIX, Lightmap::PREFIX];
+    let replaced = |name: &str| own.iter().any(|prefix| name.starts_with(prefix));
     let mut builder = Builder::from_input(input, |s| !replaced(&s.name));
     transfer.write(&mut builder);
     if params.mode == Mode::Gather {
         elements.write(&mut builder);
+    }
+    if let Some((texels, gathered, numbers)) = &lightmap {
+        texels.write(&mut builder);
+        gathered.write(&mut builder, Lightmap::PREFIX, 0);
+        report.lightmap = Some(numbers.clone());
     }
     builder.provenance(Some(input), step)?;
     sink(&builder)?;
@@ -50,8 +64,14 @@ pub fn memory_needed(input: &Container, params: &Params) -> Result<u64> {
     // A fine triangle has half a vertex, and a vertex about two receivers, one a side.
     let receivers = tessellate::estimate(&mesh, edge).min(params.max_triangles as f64) as usize;
     let senders = SENDERS_A_PATCH * patches.len();
-    let packing = hmatrix::rows_memory_needed(receivers, senders, &hmatrix::Params::error(params.gather_error));
-    Ok(gather_memory_needed(receivers, senders, &params.gather) + packing)
+    let gather = |receivers: usize| {
+        let packing = hmatrix::rows_memory_needed(receivers, senders, &hmatrix::Params::error(params.gather_error));
+        gather_memory_needed(receivers, senders, &params.gather) + packing
+    };
+    let texels = params.lightmap.map_or(0, |size| size.texels);
+    let placing = if texels > 0 { lightmap::memory_needed(mesh.triangles.len() as u64, texels.into()) } else { 0 };
+    // One set of receivers after the other.
+    Ok(gather(receivers).max(gather(texels as usize) + placing))
 }
 
 /// The patch and its elements, more than [`subdivide`] makes.

@@ -5,9 +5,10 @@
 use std::io::Write;
 
 use glam::Vec3;
-use gpu_runtime::Gpu;
+use gpu_runtime::{Bake, Gpu};
 use radfile::{
-    BlockFormat, FineMesh, Material, NO_RECEIVER, PackedOperator, Packing, Patches, Piece, Rows, Transfer, ValueMap,
+    BlockFormat, Elements, FineMesh, Material, NO_RECEIVER, PackedOperator, Packing, Patches, Piece, Rows, Transfer,
+    ValueMap, Weights,
 };
 use scene::Scene;
 
@@ -39,7 +40,10 @@ pub struct Wall {
 pub struct Room {
     pub scene: Scene,
     pub patches: Patches,
+    pub elements: Elements,
     pub transfer: Transfer,
+    /// The weights of the transfer.
+    pub rows: Rows,
     pub sky: Vec<f32>,
 }
 
@@ -53,7 +57,9 @@ pub fn room(walls: &[Wall]) -> Room {
     let mut room = Room {
         scene: Scene::default(),
         patches: Patches { piece_start: vec![0], ..Patches::default() },
-        transfer: Transfer { rows: Rows { row_start: vec![0], ..Rows::default() }, ..Transfer::default() },
+        elements: Elements::default(),
+        transfer: Transfer::default(),
+        rows: Rows { row_start: vec![0], ..Rows::default() },
         sky: vec![],
     };
     let locator = &mut room.patches.locator;
@@ -71,6 +77,8 @@ pub fn room(walls: &[Wall]) -> Room {
         }
     }
     room.sky = vec![0.0; room.patches.len()];
+    room.elements = Elements::whole(&room.patches);
+    room.transfer.weights = Weights::Interpolated(room.rows.clone());
     room.patches.check().expect("hand-made patches are whole");
     room
 }
@@ -110,12 +118,18 @@ impl Room {
             for corner in piece {
                 self.transfer.position.push(corner);
                 self.transfer.normal.push(p.normal[patch as usize]);
-                self.transfer.rows.patch.push(patch);
-                self.transfer.rows.weight.push(1.0);
-                self.transfer.rows.row_start.push(self.transfer.rows.patch.len() as u32);
+                self.rows.patch.push(patch);
+                self.rows.weight.push(1.0);
+                self.rows.row_start.push(self.rows.patch.len() as u32);
             }
         }
         p.piece_start.push(p.pieces.len() as u32);
+    }
+
+    /// What the run time is made of.
+    pub fn bake(&self) -> Bake<'_> {
+        let Room { scene, patches, elements, sky, transfer, .. } = self;
+        Bake { scene, patches, elements, sky, transfer }
     }
 
     /// A fine mesh without triangles.

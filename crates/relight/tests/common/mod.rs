@@ -8,8 +8,8 @@ pub use maker::Maker;
 
 use glam::Vec3;
 use radfile::{
-    BlockFormat, Elements, FineMesh, FormFactors, Material, Materials, Mesh, NO_RECEIVER, PackedOperator, Packing, Patches, Rows,
-    Transfer, ValueMap,
+    BlockFormat, Elements, FineMesh, FormFactors, Material, Materials, Mesh, NO_RECEIVER, PackedOperator, Packing,
+    Patches, Rows, Transfer, ValueMap,
 };
 use relight::Operator;
 use scene::{LightRig, Rays, Scene, Sobol, SurfacePoint, Surfaces, cosine_direction};
