@@ -11,7 +11,7 @@ use serde_json::Value;
 use crate::{
     dxt_pack, files, formfactor, hmatrix,
     packing::Wanted,
-    permute, series,
+    permute, pilot, series,
     session::Session,
     stage::{self, Stage},
     transfer, voxel_simplify,
@@ -27,6 +27,9 @@ pub struct Args {
     /// Container to write
     #[arg(short, long, value_name = "BAKE.rad")]
     output: PathBuf,
+    /// Small patches where light changes, large ones where it does not, as a coarse bake tells that is made first
+    #[arg(long, conflicts_with = "voxel")]
+    adaptive: bool,
     #[command(flatten)]
     voxel_simplify: voxel_simplify::Options,
     #[command(flatten)]
@@ -79,7 +82,9 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     }
     let mut stages = Vec::new();
     let mut current = None;
-    let report = voxel_simplify::apply(&args.scene, &args.voxel_simplify, session, &mut keep(&mut current))?;
+    let pilot = args.adaptive.then(|| pilot::make(&args.scene, &args.voxel_simplify, session)).transpose()?;
+    let options = &args.voxel_simplify;
+    let report = voxel_simplify::apply(&args.scene, options, pilot.as_ref(), session, &mut keep(&mut current))?;
     stages.push(serde_json::to_value(report)?);
     link(&args.formfactor, &mut current, &mut stages, session)?;
     let wanted = args.packing.clone();

@@ -16,6 +16,7 @@ mod numbers;
 mod packing;
 mod permute;
 mod pictures;
+mod pilot;
 mod progress;
 mod reference;
 mod relight;

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use radfile::Sink;
+use radfile::{Container, Sink};
 use scene::{ImportOptions, ImportReport};
 use serde::Serialize;
-use voxel_simplify::{Mode, Params, Report, Resolution};
+use voxel_simplify::{Mode, Params, Pilot, Report, Resolution};
 
 use crate::{
     files::{self, DiskFolder},
@@ -25,12 +25,21 @@ pub struct Args {
     /// Container to write
     #[arg(short, long, value_name = "OUT.rad")]
     pub output: PathBuf,
+    /// Small patches where light changes, large ones where it does not, as a coarse bake of the same scene tells:
+    /// a container after formfactor and series, of some hundred patches
+    #[arg(long, value_name = "PILOT.rad", conflicts_with = "voxel")]
+    adaptive: Option<PathBuf>,
     #[command(flatten)]
     pub options: Options,
 }
 
+/// Patches where no number is given.
+const WANTED: u32 = 2500;
+/// Fewest and most patches of a pilot.
+const PILOT: [u32; 2] = [100, 1000];
+
 /// Options of this stage.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct Options {
     /// Edge of a voxel, such as 0.25m
     #[arg(long, value_name = "LENGTH", value_parser = numbers::metres, conflicts_with = "patches")]
@@ -58,13 +67,24 @@ impl Options {
     fn params(&self) -> Params {
         let resolution = match (self.voxel, self.patches) {
             (Some(edge), _) => Resolution::Voxel(edge),
-            (None, patches) => Resolution::Patches(patches.unwrap_or(2500)),
+            (None, patches) => Resolution::Patches(patches.unwrap_or(WANTED)),
         };
         let mode = match self.mode {
             ModeName::Clusters => Mode::Clusters,
             ModeName::Faces => Mode::Faces,
         };
         Params { resolution, mode, ..Params::default() }
+    }
+
+    /// Whether patches are sides of voxels.
+    pub fn is_of_faces(&self) -> bool {
+        matches!(self.mode, ModeName::Faces)
+    }
+
+    /// Options of the coarse bake that adaptive patches are made by.
+    pub fn of_pilot(&self) -> Options {
+        let wanted = self.patches.unwrap_or(WANTED);
+        Options { voxel: None, patches: Some((wanted / 4).clamp(PILOT[0], PILOT[1])), ..self.clone() }
     }
 
     fn text(&self) -> String {
@@ -86,15 +106,26 @@ pub struct Numbers {
 }
 
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
-    files::check_outputs(&session.outputs(&args.output), &[("the scene", &args.scene)])?;
-    let report = apply(&args.scene, &args.options, session, &mut |b| b.write_file(&args.output))?;
+    let pilot = args.adaptive.as_deref();
+    let inputs: Vec<(&str, &Path)> =
+        [("the scene", args.scene.as_path())].into_iter().chain(pilot.map(|p| ("the pilot", p))).collect();
+    files::check_outputs(&session.outputs(&args.output), &inputs)?;
+    let sink: &mut Sink = &mut |b| b.write_file(&args.output);
+    let report = match pilot {
+        None => apply(&args.scene, &args.options, None, session, sink)?,
+        Some(path) => {
+            let container = files::open(path)?;
+            apply(&args.scene, &args.options, Some(&container), session, sink)?
+        }
+    };
     session.finish(&report)
 }
 
-/// Imports a scene, makes patches and hands the container to `sink`.
+/// Imports a scene, makes patches, adaptive ones where there is a pilot, and hands the container to `sink`.
 pub fn apply(
     path: &Path,
     options: &Options,
+    pilot: Option<&Container>,
     session: &Session,
     sink: &mut Sink,
 ) -> anyhow::Result<StageReport<Numbers>> {
@@ -103,9 +134,14 @@ pub fn apply(
     let import = ImportOptions { one_sided: options.one_sided };
     let named = || path.display().to_string();
     let (scene, imported) = scene::import(&name, &folder, import).with_context(named)?;
-    let step = stage::step("voxel-simplify", options.text(), folder.inputs());
+    let mut inputs = folder.inputs();
+    inputs.extend(pilot.map(|pilot| ("pilot".into(), radfile::digest(pilot.as_bytes()))));
+    let adaptive = if pilot.is_some() { " --adaptive" } else { "" };
+    let step = stage::step("voxel-simplify", options.text() + adaptive, inputs);
+    let pilot = pilot.map(Pilot::read).transpose().context("the pilot")?;
     let progress = session.progress();
-    let report = voxel_simplify::run(&scene, &options.params(), step, &progress, sink).with_context(named)?;
+    let report =
+        voxel_simplify::run(&scene, &options.params(), pilot.as_ref(), step, &progress, sink).with_context(named)?;
     drop(progress);
     let seconds = session.seconds() - start;
     let report =

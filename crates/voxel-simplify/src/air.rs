@@ -10,6 +10,8 @@ use radfile::{Patches, Side, face_id};
 use rayon::prelude::*;
 use scene::{PatchSampler, Rays, Sobol, cosine_direction, hash};
 
+use crate::sets::{join, root};
+
 /// Rays a patch.
 const RAYS: u32 = 32;
 
@@ -43,9 +45,7 @@ impl Air {
         let mut parent: Vec<u32> = (0..=sky).collect();
         for (patch, view) in (0..).zip(&views) {
             for &other in &view.met {
-                let (a, b) = (root(&mut parent, patch), root(&mut parent, other));
-                // The smaller number wins, so the result does not depend on the order.
-                parent[a.max(b) as usize] = a.min(b);
+                join(&mut parent, patch, other);
             }
         }
         let space: Vec<u32> = (0..=sky).map(|p| root(&mut parent, p)).collect();
@@ -60,7 +60,12 @@ impl Air {
 
     /// Whether two patches stand in the same air.
     pub fn is_shared(&self, a: usize, b: usize) -> bool {
-        self.space[a] == self.space[b]
+        self.space(a) == self.space(b)
+    }
+
+    /// A number that patches in the same air have in common.
+    pub fn space(&self, patch: usize) -> u32 {
+        self.space[patch]
     }
 
     /// Share of back sides among the sides that a patch sees.
@@ -97,14 +102,4 @@ fn look(patches: &Patches, sampler: &PatchSampler, rays: &Rays, patch: usize, se
     view.met.sort_unstable();
     view.met.dedup();
     view
-}
-
-/// The representative of a set, with the path to it halved.
-fn root(parent: &mut [u32], mut at: u32) -> u32 {
-    while parent[at as usize] != at {
-        let up = parent[parent[at as usize] as usize];
-        parent[at as usize] = up;
-        at = up;
-    }
-    at
 }

@@ -61,7 +61,24 @@ pub fn assemble(surface: &Surface, grid: &Grid, clips: &Clips, sheets: &Sheets, 
     });
     let weighed = patches.pieces.iter().map(|&p| (p, piece_area(&p)));
     let coat = Coat { start: patches.piece_start.clone(), parts: weighed.collect() };
-    Draft { patches, coat, cells: sheets.cells, pieces: clips.clips.len(), merged: merged.count, sliver_area }
+    let touches = touches(sheets, merged, &patch_of_sheet);
+    Draft { patches, coat, touches, cells: sheets.cells, pieces: clips.clips.len(), merged: merged.count, sliver_area }
+}
+
+/// Patches that touch, on either side of the sheets that do.
+fn touches(sheets: &Sheets, merged: &Merged, patch_of_sheet: &[[Option<u32>; 2]]) -> Vec<[u32; 2]> {
+    let mut touches = Vec::new();
+    for touch in &sheets.touches {
+        let [(a, a_turned), (b, b_turned)] = [touch.a, touch.b].map(|sheet| merged.into[sheet as usize]);
+        for side in [Side::Front, Side::Back] {
+            let here = patch_of_sheet[a as usize][turn(side, a_turned) as usize];
+            let there = patch_of_sheet[b as usize][turn(side, b_turned ^ touch.turned) as usize];
+            touches.extend(here.zip(there).filter(|(a, b)| a != b).map(|(a, b)| [a.min(b), a.max(b)]));
+        }
+    }
+    touches.sort_unstable();
+    touches.dedup();
+    touches
 }
 
 fn push(patches: &mut Patches, patch: Patch) {

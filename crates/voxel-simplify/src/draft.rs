@@ -11,6 +11,8 @@ pub struct Draft {
     pub patches: Patches,
     /// The surface that each patch takes its colour from.
     pub coat: Coat,
+    /// Pairs of patches that touch, the smaller number first, each pair once: all, or those with a small one.
+    pub touches: Vec<[u32; 2]>,
     pub cells: usize,
     pub pieces: usize,
     pub merged: usize,

@@ -86,6 +86,57 @@ pub enum Error {
         /// Rays a patch.
         rays: u32,
     },
+    /// A pilot that was not solved.
+    #[error(
+        "the pilot has no dense operator, expected one with series.values; run formfactor and series on it and do not pack it"
+    )]
+    PilotUnsolved,
+    /// A pilot of some bounces only.
+    #[error(
+        "the pilot's operator holds the first {bounces} bounces, expected all of them; run series without --bounces"
+    )]
+    PilotBounces {
+        /// What was found.
+        bounces: u32,
+    },
+    /// A pilot that is too coarse to tell anything.
+    #[error("the pilot has {found} patches, expected at least {least}; make one of some hundred patches")]
+    PilotTooSmall {
+        /// What was found.
+        found: usize,
+        /// What is needed.
+        least: usize,
+    },
+    /// A pilot of another scene.
+    #[error(
+        "the pilot was made of another mesh (it has {found} triangles, the scene {expected}), or with other sides; make one          of this scene"
+    )]
+    PilotOfAnother {
+        /// Triangles of the pilot.
+        found: usize,
+        /// Triangles of the scene.
+        expected: usize,
+    },
+    /// Adaptive patches of a kind that has none.
+    #[error(
+        "adaptive patches are clusters and are asked for by their number; leave out the voxel size and the mode faces"
+    )]
+    NotAdaptive,
+    /// More fine patches than memory is meant for.
+    #[error(
+        "{wanted} adaptive patches are chosen from {patches} fine ones, whose light takes {need} MiB, the limit is {limit} MiB; \
+         ask for fewer"
+    )]
+    AdaptiveMemory {
+        /// Patches that were asked for.
+        wanted: usize,
+        /// Fine patches.
+        patches: usize,
+        /// Estimated need, MiB.
+        need: u64,
+        /// Limit, MiB.
+        limit: u64,
+    },
     /// A texture could not be used.
     #[error(transparent)]
     Scene(#[from] scene::Error),

@@ -48,7 +48,7 @@ pub fn faces(surface: &Surface, grid: &Grid, clips: &Clips) -> Draft {
         }
     }
     patches.locator = locate(surface, grid, clips, |clip, side| best_face[clip][side as usize]);
-    Draft { patches, coat, cells: runs.len(), pieces: clips.clips.len(), merged: 0, sliver_area: 0.0 }
+    Draft { patches, coat, touches: vec![], cells: runs.len(), pieces: clips.clips.len(), merged: 0, sliver_area: 0.0 }
 }
 
 fn is_empty_beyond(grid: &Grid, occupied: &[CellKey], cell: CellKey, (axis, sign): (usize, f64)) -> bool {

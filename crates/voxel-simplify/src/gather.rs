@@ -28,14 +28,14 @@ const TRIES: usize = 6;
 /// Heights of the points above the parts between which a ray must pass, in voxels.
 const HEIGHTS: [f32; 3] = [0.02, 0.1, 0.4];
 
-/// Area below which a patch is small, m².
-fn small_area(patches: &Patches) -> f32 {
-    SMALL * patches.locator.cell_size * patches.locator.cell_size
+/// Area below which a patch is small among voxels of `size` metres, m².
+pub fn small_area(size: f32) -> f32 {
+    SMALL * size * size
 }
 
 /// Number of small patches among those that own themselves.
 pub fn count_small(patches: &Patches, owner: &[Option<u32>]) -> usize {
-    let small = small_area(patches);
+    let small = small_area(patches.locator.cell_size);
     (0..patches.len()).filter(|&p| owner[p] == Some(p as u32) && patches.area[p] < small).count()
 }
 
@@ -52,8 +52,9 @@ pub fn gather(patches: &Patches, surface: &Surface, rays: &Rays, air: &Air, owne
         cells.entry(patches.locator.cell_of(patches.position[patch])).or_default().push(patch);
     }
     let cells: Vec<Vec<usize>> = cells.into_values().collect();
+    let size = patches.locator.cell_size;
     let joined: Vec<Vec<(usize, usize)>> =
-        cells.par_iter().map(|cell| Cell::new(patches, surface, rays, air, cell).join_small()).collect();
+        cells.par_iter().map(|cell| Cell::new(patches, surface, rays, air, size, cell).join_small()).collect();
     let mut root: Vec<u32> = (0..patches.len() as u32).collect();
     for (patch, to) in joined.into_iter().flatten() {
         root[patch] = to as u32;
@@ -64,10 +65,12 @@ pub fn gather(patches: &Patches, surface: &Surface, rays: &Rays, air: &Air, owne
 }
 
 /// The patches of one cell.
-struct Cell<'a> {
+pub struct Cell<'a> {
     patches: &'a Patches,
     rays: &'a Rays,
     air: &'a Air,
+    /// Edge of the cell, metres.
+    size: f32,
     /// Smallest first.
     members: Vec<Member>,
 }
@@ -87,7 +90,14 @@ struct Member {
 }
 
 impl<'a> Cell<'a> {
-    fn new(patches: &'a Patches, surface: &Surface, rays: &'a Rays, air: &'a Air, cell: &[usize]) -> Cell<'a> {
+    pub fn new(
+        patches: &'a Patches,
+        surface: &Surface,
+        rays: &'a Rays,
+        air: &'a Air,
+        size: f32,
+        cell: &[usize],
+    ) -> Cell<'a> {
         let member = |&patch: &usize| Member {
             patch,
             area: patches.area[patch],
@@ -99,12 +109,12 @@ impl<'a> Cell<'a> {
         };
         let mut members: Vec<Member> = cell.iter().map(member).collect();
         members.sort_by(|a, b| a.area.total_cmp(&b.area).then(a.patch.cmp(&b.patch)));
-        Cell { patches, rays, air, members }
+        Cell { patches, rays, air, size, members }
     }
 
     /// Pairs of a patch and the one that it is part of at last.
     fn join_small(mut self) -> Vec<(usize, usize)> {
-        let small = small_area(self.patches);
+        let small = small_area(self.size);
         for s in 0..self.members.len() {
             if self.members[s].area < small
                 && let Some(to) = self.partner(s)
@@ -126,6 +136,12 @@ impl<'a> Cell<'a> {
         (0..self.members.len()).map(|s| (self.members[s].patch, root(s))).collect()
     }
 
+    /// Pairs of a patch that is small in the eyes of `is_small` and the best of the larger ones that it may join.
+    pub fn pairs(&self, is_small: impl Fn(usize) -> bool) -> Vec<[usize; 2]> {
+        let few = (0..self.members.len()).filter(|&s| is_small(self.members[s].patch));
+        few.filter_map(|s| Some([s, self.partner(s)?].map(|m| self.members[m].patch))).collect()
+    }
+
     /// The best of the larger patches that `s` may join.
     fn partner(&self, s: usize) -> Option<usize> {
         let own = &self.members[s];
@@ -135,7 +151,7 @@ impl<'a> Cell<'a> {
             let cosine = own.facing.dot(other.facing);
             let alike = (own.emits, own.back) == (other.emits, other.back);
             if cosine >= CONE && alike && self.air.is_shared(own.patch, other.patch) {
-                let distance = self.position(m).distance(position) / self.patches.locator.cell_size;
+                let distance = self.position(m).distance(position) / self.size;
                 candidates.push((distance - cosine, m));
             }
         }
@@ -145,7 +161,7 @@ impl<'a> Cell<'a> {
             candidates.truncate(TRIES);
         }
         candidates.sort_by(order);
-        let tiny = own.area < TINY * self.patches.locator.cell_size.powi(2);
+        let tiny = own.area < TINY * self.size.powi(2);
         let near = candidates.iter().map(|&(_, m)| m).find(|&m| self.sees_past(s, m));
         near.or(candidates.first().map(|&(_, m)| m).filter(|_| tiny))
     }
@@ -159,7 +175,7 @@ impl<'a> Cell<'a> {
         let above = |m: usize, height: f32| {
             let normal = Vec3::from(self.patches.normal[self.members[m].patch]);
             let foot = self.rays.off_surface(self.position(m), normal);
-            let top = foot + height * self.patches.locator.cell_size * normal;
+            let top = foot + height * self.size * normal;
             self.rays.visible(foot, top, NO_TRIANGLE).then_some(top)
         };
         HEIGHTS.iter().any(|&height| {

@@ -20,8 +20,6 @@ use crate::{
 
 /// Cosine of 35°: pieces that face further away from the mean start a sheet of their own.
 const CONE: f64 = 0.819;
-/// Sheets smaller than this part of a cell's side look for a neighbour to join.
-pub const SMALL: f64 = 0.04;
 
 /// A wall that stands this far from a plane between cells, in cells, still keeps apart what touches there.
 const BESIDE: f64 = 1e-3;
@@ -39,7 +37,7 @@ pub struct Sheet {
     pub emits: bool,
 }
 
-/// Two sheets that touch, at least one of them small.
+/// Two sheets that touch.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
     pub a: u32,
@@ -55,6 +53,7 @@ pub struct Sheets {
     pub sheets: Vec<Sheet>,
     /// For every piece, its sheet and whether its front belongs to `−`.
     pub of_clip: Vec<(u32, bool)>,
+    /// At least one of the two is small.
     pub touches: Vec<Touch>,
     /// Occupied cells.
     pub cells: usize,
@@ -67,10 +66,9 @@ struct Cell {
     touches: Vec<Touch>,
 }
 
-/// Gathers the pieces of every cell.
-pub fn group(surface: &Surface, grid: &Grid, clips: &Clips, tolerance: f64) -> Sheets {
+/// Gathers the pieces of every cell. Touches are kept where a sheet is smaller than `small` m².
+pub fn group(surface: &Surface, grid: &Grid, clips: &Clips, tolerance: f64, small: f64) -> Sheets {
     let by_cell = Cells::new(clips);
-    let small = SMALL * grid.size * grid.size;
     let cells: Vec<Cell> = (0..by_cell.runs.len())
         .into_par_iter()
         .map(|run| {

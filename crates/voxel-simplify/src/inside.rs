@@ -24,17 +24,19 @@ const CONE: f32 = 0.819;
 /// Patches further apart than this along their normal stay apart, in cells.
 const LEVEL: f32 = 1.0;
 
-/// Joins patches inside solids: for each of them, `owner` then names the one that it is part of.
-pub fn coarsen(patches: &Patches, surface: &Surface, air: &Air, owner: &mut [Option<u32>]) {
+/// Patches inside solids, of those that `owner` keeps.
+pub fn inside(patches: &Patches, surface: &Surface, air: &Air, owner: &[Option<u32>]) -> Vec<usize> {
     let inside: Vec<usize> = (0..patches.len())
         .filter(|&p| owner[p].is_some() && is_back(patches, p) && air.back_share(p) >= BACKS)
         .filter(|&p| !surface.shines(patches.pieces_of(p)))
         .collect();
-    if !mostly_solids(patches, owner, &inside) {
-        return;
-    }
+    if mostly_solids(patches, owner, &inside) { inside } else { vec![] }
+}
+
+/// Joins patches inside solids: for each of them, `owner` then names the one that it is part of.
+pub fn coarsen(patches: &Patches, surface: &Surface, air: &Air, owner: &mut [Option<u32>]) {
     let mut blocks: BTreeMap<[i64; 3], Vec<usize>> = BTreeMap::new();
-    for patch in inside {
+    for patch in inside(patches, surface, air, owner) {
         let cell = patches.locator.cell_of(patches.position[patch]);
         blocks.entry(cell.map(|c| c.div_euclid(BLOCK))).or_default().push(patch);
     }

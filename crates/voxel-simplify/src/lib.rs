@@ -7,10 +7,14 @@
 //! that touch nothing would use them up, such parts share patches, and the insides of solids get
 //! coarser ones (`gather`, `inside`, `air`). What patches look like is sampled from the scene's textures (`attributes`).
 //!
+//! With a coarse bake as a [`Pilot`], [`adaptive()`] makes patches that are small where light changes and large where
+//! it does not (`adaptive`).
+//!
 //! [`Mode::Faces`] is the variant of A. Shcherbakov and V. Frolov, Matrix transformations for
 //! efficient implementation of the radiosity algorithm on GPUs, Light & Engineering 27(2), 2019:
 //! axis-aligned sides of occupied voxels (`faces`). It is here to be compared with.
 
+mod adaptive;
 mod air;
 mod assemble;
 mod attributes;
@@ -22,23 +26,32 @@ mod cut;
 mod draft;
 mod error;
 mod faces;
+mod field;
 mod gather;
 mod grid;
 mod group;
 mod inside;
+mod lamps;
 mod merge;
+mod near;
+mod pilot;
+mod regions;
 mod report;
 mod search;
+mod sets;
 mod simplify;
 mod surface;
 mod tree;
 mod trial;
 mod visibility;
 mod wall;
+mod ward;
 
+pub use adaptive::{Adapted, Expected, Level};
 pub use error::Error;
+pub use pilot::Pilot;
 pub use report::{Attempt, Report};
-pub use simplify::{run, voxel_simplify};
+pub use simplify::{adaptive, run, voxel_simplify};
 
 /// How fine the patches are.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,11 +5,10 @@
 //! it. The neighbour may lie in the next cell or be another facing of the same one; it must face
 //! roughly the same way and the two together must not spread.
 
-use crate::{
-    grid::Grid,
-    group::{SMALL, Sheets},
-};
+use crate::{grid::Grid, group::Sheets};
 
+/// Sheets smaller than this part of a cell's side look for a neighbour to join.
+pub const SMALL: f64 = 0.04;
 /// Cosine of 50°.
 const CONE: f64 = 0.643;
 /// Longest side of a joined sheet's box, in cells.

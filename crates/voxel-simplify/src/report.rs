@@ -3,7 +3,7 @@
 use radfile::Patches;
 use serde::Serialize;
 
-use crate::{Mode, Params, Resolution, surface::Surface, trial::Trial};
+use crate::{Adapted, Mode, Params, Resolution, surface::Surface, trial::Trial};
 
 /// A count further from the wanted one is warned about.
 const PROMISED: f64 = 0.10;
@@ -63,6 +63,9 @@ pub struct Report {
     pub largest_area: f64,
     /// Sizes tried to reach a number of patches, in order; empty if a voxel size was given.
     pub attempts: Vec<Attempt>,
+    /// Sizes and expected errors of adaptive patches.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub adaptive: Option<Adapted>,
     /// What the reader should know.
     pub warnings: Vec<String>,
 }
@@ -120,6 +123,7 @@ pub fn report(
         least_area: areas().fold(f64::INFINITY, f64::min),
         largest_area: areas().fold(0.0, f64::max),
         attempts,
+        adaptive: trial.adapted.clone(),
         warnings: vec![],
     };
     report.warnings = warn_of_count(&report, params).into_iter().chain(warn_of_flux(&report, params)).collect();
@@ -145,7 +149,9 @@ fn warn_of_count(report: &Report, params: &Params) -> Vec<String> {
     }
     let off = report.patches as f64 / f64::from(wanted) - 1.0;
     if off.abs() > PROMISED {
-        let why = if report.attempts.iter().all(|a| a.patches > wanted as usize) {
+        let why = if report.adaptive.is_some() && report.patches < wanted as usize {
+            "voxels a quarter as large do not make more"
+        } else if report.attempts.iter().all(|a| a.patches > wanted as usize) {
             "the scene has that many separate parts and facings at any voxel size"
         } else {
             "the count jumps over the wanted one between two voxel sizes"

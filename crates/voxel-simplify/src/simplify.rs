@@ -4,8 +4,9 @@ use radfile::{Builder, Patches, Progress, Record, Sink, Step};
 use scene::{Rays, Scene, Surfaces};
 
 use crate::{
-    Attempt, Error, Params, Report, Resolution,
-    attributes::{colour, emitted_flux},
+    Attempt, Error, Mode, Params, Pilot, Report, Resolution,
+    adaptive::adapt,
+    attributes::emitted_flux,
     draft::compose,
     report::report,
     search::{Outcome, search},
@@ -44,11 +45,42 @@ pub fn voxel_simplify(scene: &Scene, params: &Params, progress: &dyn Progress) -
         Resolution::Patches(0) => return Err(Error::NoPatchesWanted),
         Resolution::Patches(wanted) => find_size(&bench, wanted)?,
     };
-    progress.begin("colours of patches", 1);
-    colour(&mut trial.draft, &surface, &surfaces, params.seed);
-    progress.advance(1);
+    bench.colour(&mut trial, &surfaces);
     let patches = compose(&trial.draft.patches, &trial.owner);
     let report = report(&surface, emitted_flux(&surface, &surfaces), &trial, &patches, attempts, params);
+    Ok((patches, report))
+}
+
+/// Turns the surface of a scene into patches that are small where light changes and large where it does not.
+///
+/// `pilot` is a coarse bake of the same scene, which says where that is. `params` must ask for a number of patches.
+///
+/// # Errors
+///
+/// Those of [`voxel_simplify`], or a pilot of another scene.
+///
+/// # Panics
+///
+/// As [`voxel_simplify`].
+pub fn adaptive(
+    scene: &Scene,
+    params: &Params,
+    pilot: &Pilot,
+    progress: &dyn Progress,
+) -> Result<(Patches, Report), Error> {
+    let (Resolution::Patches(wanted), Mode::Clusters) = (params.resolution, params.mode) else {
+        return Err(Error::NotAdaptive);
+    };
+    if wanted == 0 {
+        return Err(Error::NoPatchesWanted);
+    }
+    pilot.check(scene)?;
+    let surface = Surface::new(scene)?;
+    let surfaces = Surfaces::new(&scene.mesh, &scene.materials)?;
+    let bench = Bench { surface: &surface, rays: Rays::new(&scene.mesh), params, progress };
+    let trial = adapt(&bench, &surfaces, pilot, wanted as usize)?;
+    let patches = compose(&trial.draft.patches, &trial.owner);
+    let report = report(&surface, emitted_flux(&surface, &surfaces), &trial, &patches, vec![], params);
     Ok((patches, report))
 }
 
@@ -81,15 +113,19 @@ fn find_size(bench: &Bench, wanted: u32) -> Result<(Trial, Vec<Attempt>), Error>
 ///
 /// # Errors
 ///
-/// Those of [`voxel_simplify`], and what `sink` says.
+/// Those of [`voxel_simplify`] or, with a pilot, of [`adaptive`], and what `sink` says.
 pub fn run(
     scene: &Scene,
     params: &Params,
+    pilot: Option<&Pilot>,
     step: Step,
     progress: &dyn Progress,
     sink: &mut Sink,
 ) -> Result<Report, Error> {
-    let (patches, report) = voxel_simplify(scene, params, progress)?;
+    let (patches, report) = match pilot {
+        None => voxel_simplify(scene, params, progress)?,
+        Some(pilot) => adaptive(scene, params, pilot, progress)?,
+    };
     let mut builder = Builder::new();
     scene.write(&mut builder);
     patches.write(&mut builder);

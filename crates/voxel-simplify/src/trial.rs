@@ -1,12 +1,13 @@
 //! The patches of one voxel size.
 
 use radfile::Progress;
-use scene::Rays;
+use scene::{Rays, Surfaces};
 
 use crate::{
-    Error, Mode, Params,
+    Adapted, Error, Mode, Params,
     air::Air,
     assemble::assemble,
+    attributes::colour,
     clip::clip,
     cut::{Count, cut},
     draft::Draft,
@@ -15,7 +16,7 @@ use crate::{
     grid::Grid,
     group::group,
     inside::coarsen,
-    merge::merge,
+    merge::{SMALL, merge},
     surface::Surface,
     visibility::seen,
 };
@@ -44,11 +45,18 @@ pub struct Trial {
     pub coarsened: usize,
     /// Small patches that have joined another or lie in a pocket.
     pub gathered: usize,
+    /// What became of fine patches, if they were joined.
+    pub adapted: Option<Adapted>,
 }
 
 impl Bench<'_> {
     /// Makes the patches for voxels of `voxel` metres and drops those that see nothing.
     pub fn attempt(&self, voxel: f32, extra_layers: [u32; 3]) -> Result<Trial, Error> {
+        self.attempt_with_touches(voxel, extra_layers, SMALL * f64::from(voxel) * f64::from(voxel))
+    }
+
+    /// The same; the draft tells touches of all sheets smaller than `small` m².
+    pub fn attempt_with_touches(&self, voxel: f32, extra_layers: [u32; 3], small: f64) -> Result<Trial, Error> {
         let grid = Grid::new(self.surface, voxel, extra_layers)?;
         self.progress.begin(&format!("patches of voxels of {voxel:.4} m"), 1);
         let clips = clip(self.surface, &grid);
@@ -56,7 +64,7 @@ impl Bench<'_> {
             Mode::Clusters => {
                 let tolerance = grid.tolerance(self.surface);
                 let (clips, cuts) = cut(self.surface, &grid, clips, tolerance);
-                let mut sheets = group(self.surface, &grid, &clips, tolerance);
+                let mut sheets = group(self.surface, &grid, &clips, tolerance, small);
                 let merged = merge(&mut sheets, &grid);
                 (assemble(self.surface, &grid, &clips, &sheets, &merged), cuts)
             }
@@ -69,7 +77,14 @@ impl Bench<'_> {
             return Err(Error::NothingSeen { patches: seen.len(), rays: count });
         }
         let owner = (0..).zip(&seen).map(|(p, &seen)| seen.then_some(p)).collect();
-        Ok(Trial { voxel, draft, cuts, owner, rays, coarsened: 0, gathered: 0 })
+        Ok(Trial { voxel, draft, cuts, owner, rays, coarsened: 0, gathered: 0, adapted: None })
+    }
+
+    /// Fills in the colours of drafted patches.
+    pub fn colour(&self, trial: &mut Trial, surfaces: &Surfaces) {
+        self.progress.begin("colours of patches", 1);
+        colour(&mut trial.draft, self.surface, surfaces, self.params.seed);
+        self.progress.advance(1);
     }
 
     /// Spends patches where they count: coarser ones inside solids and, if small ones crowd out the others or

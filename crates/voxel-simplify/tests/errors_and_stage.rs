@@ -111,7 +111,8 @@ fn textures_that_cannot_be_decoded_are_refused_by_name() {
 #[test]
 fn what_the_sink_says_is_handed_on() {
     let full = &mut |_: &radfile::Builder| Err(radfile::Error::invariant("disk", "it is full"));
-    let message = run(&furnished().scene(), &at_voxel(1.0), step(), &Quiet, full).expect_err("refused").to_string();
+    let message =
+        run(&furnished().scene(), &at_voxel(1.0), None, step(), &Quiet, full).expect_err("refused").to_string();
     says(&message, &["disk", "it is full"]);
 }
 
@@ -119,7 +120,7 @@ fn what_the_sink_says_is_handed_on() {
 fn the_container_holds_the_scene_its_patches_and_where_they_came_from() {
     let scene = furnished().scene();
     let mut container = None;
-    let report = run(&scene, &at_voxel(0.5), step(), &Quiet, &mut |builder| {
+    let report = run(&scene, &at_voxel(0.5), None, step(), &Quiet, &mut |builder| {
         container = Some(builder.finish()?);
         Ok(())
     })
