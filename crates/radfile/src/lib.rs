@@ -80,7 +80,7 @@ pub use half::{Colour, ColourBlock, MOST_PATCHES, NO_COMPONENT, half_blocks, rou
 pub use hierarchical::{Certificate, HierarchicalOperator, Kernel};
 pub use layout::{FLAG_PATCH_ORDER, FLAG_REQUIRED, IDENTIFIER, VERSION};
 pub use lightmap::{LARGEST_LIGHTMAP, Lightmap};
-pub use locator::{CUT, CellKey, Cut, DEEPEST_CUT, PatchLocator};
+pub use locator::{CUT, CellKey, Cut, DEEPEST_CUT, Found, PatchLocator};
 pub use luma::{LUMA, luma};
 pub use materials::{Material, Materials, Texture, Wrap};
 pub use mesh::{Mesh, Side, face_id};

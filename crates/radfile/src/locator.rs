@@ -60,12 +60,21 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// What the side of the plane names that a point lies on.
-    fn child_at(&self, point: [f32; 3]) -> u32 {
+    /// How far a point lies above the plane, metres.
+    fn height(&self, point: [f32; 3]) -> f64 {
         let [x, y, z, offset] = self.plane.map(f64::from);
         let [px, py, pz] = point.map(f64::from);
-        self.child[usize::from(x * px + y * py + z * pz >= offset)]
+        x * px + y * py + z * pz - offset
     }
+}
+
+/// The patch that a point belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// Its number.
+    pub patch: u32,
+    /// Whether another patch of the face may be as near as was asked.
+    pub at_border: bool,
 }
 
 /// Sorted table of (face, cell) → patch over the voxel grid.
@@ -96,28 +105,55 @@ impl PatchLocator {
     /// A hit point carries rounding errors and may fall just outside the cells of its face;
     /// then the nearest of them answers.
     pub fn patch_at(&self, face: u32, point: [f32; 3]) -> Option<u32> {
+        self.find(face, point, 0.0).map(|found| found.patch)
+    }
+
+    /// The same, and whether the point lies within `tolerance` metres of a cut or of a cell of another patch: what
+    /// the error of the point may have moved it across.
+    pub fn find(&self, face: u32, point: [f32; 3], tolerance: f32) -> Option<Found> {
         let range = self.face_start[face as usize] as usize..self.face_start[face as usize + 1] as usize;
-        let (keys, patches) = (&self.cell_key[range.clone()], &self.cell_patch[range]);
-        match (patches, keys.binary_search(&CellKey::of(self.grid_origin, self.cell_size, point).0)) {
-            ([], _) => None,
-            ([only], _) => Some(self.follow(*only, point)),
-            (_, Ok(at)) => Some(self.follow(patches[at], point)),
-            (_, Err(_)) => {
-                let nearest = (0..keys.len()).min_by(|&a, &b| {
-                    let distance = |i: usize| CellKey(keys[i]).distance_squared(self.grid_origin, self.cell_size, point);
-                    distance(a).total_cmp(&distance(b))
-                });
-                nearest.map(|at| self.follow(patches[at], point))
-            }
+        let (keys, entries) = (&self.cell_key[range.clone()], &self.cell_patch[range]);
+        if let [entry] = *entries {
+            return Some(self.follow(entry, point, tolerance));
         }
+        let at = match keys.binary_search(&CellKey::of(self.grid_origin, self.cell_size, point).0) {
+            Ok(at) => at,
+            Err(_) => self.nearest(keys, point)?,
+        };
+        let found = self.follow(entries[at], point, tolerance);
+        let at_border = found.at_border || self.is_near_another(keys, entries, at, point, tolerance);
+        Some(Found { at_border, ..found })
+    }
+
+    /// The cell nearest to a point.
+    #[cold]
+    fn nearest(&self, keys: &[u64], point: [f32; 3]) -> Option<usize> {
+        let distance = |i: usize| CellKey(keys[i]).distance_squared(self.grid_origin, self.cell_size, point);
+        (0..keys.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+    }
+
+    /// Whether a neighbour of the cell of entry `at` has another entry and lies within `tolerance` of the point.
+    fn is_near_another(&self, keys: &[u64], entries: &[u32], at: usize, point: [f32; 3], tolerance: f32) -> bool {
+        let cell = CellKey(keys[at]).cell();
+        (0..3).any(|axis| {
+            let above = point[axis] - self.grid_origin[axis] - cell[axis] as f32 * self.cell_size;
+            let step = i64::from(self.cell_size - above < tolerance) - i64::from(above < tolerance);
+            let mut beyond = cell;
+            beyond[axis] += step;
+            step != 0 && keys.binary_search(&CellKey::new(beyond).0).is_ok_and(|other| entries[other] != entries[at])
+        })
     }
 
     /// The patch below an entry of the table.
-    fn follow(&self, mut entry: u32, point: [f32; 3]) -> u32 {
+    fn follow(&self, mut entry: u32, point: [f32; 3], tolerance: f32) -> Found {
+        let mut at_border = false;
         while entry & CUT != 0 {
-            entry = self.cuts[(entry & !CUT) as usize].child_at(point);
+            let cut = &self.cuts[(entry & !CUT) as usize];
+            let height = cut.height(point);
+            at_border |= height.abs() < f64::from(tolerance);
+            entry = cut.child[usize::from(height >= 0.0)];
         }
-        entry
+        Found { patch: entry, at_border }
     }
 
     /// The same table with other patch numbers. Where a patch has none, the other side of the nearest cut takes its

@@ -2,7 +2,7 @@
 //!
 //! - [`import`]: OBJ + MTL and glTF 2.0 to a [`Scene`] and an [`ImportReport`] of what was ignored.
 //! - [`Surfaces`]: reflectance and emission at a point of a triangle, textures decoded.
-//! - [`Rays`]: watertight closest-hit and visibility queries.
+//! - [`Rays`]: watertight closest-hit and visibility queries; [`land`]: the patch that a ray meets.
 //! - [`Sobol`], [`cosine_direction`], [`PatchSampler`]: points and directions, deterministic.
 //! - [`LightRig`], [`Light`], [`Camera`]: the JSON files of docs/design.md §4.
 //!
@@ -12,6 +12,7 @@ mod camera;
 mod element_points;
 mod error;
 mod import;
+mod landing;
 mod lights;
 mod one_place;
 mod patch_sampler;
@@ -28,6 +29,7 @@ pub use camera::Camera;
 pub use element_points::ElementPoints;
 pub use error::{Error, Result};
 pub use import::{Folder, ImportOptions, ImportReport, import};
+pub use landing::{Landing, land};
 pub use lights::{Light, LightRig};
 pub use patch_sampler::{PatchSampler, SurfacePoint};
 pub use rays::{Hit, NO_TRIANGLE, Rays};

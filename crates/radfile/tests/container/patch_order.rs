@@ -117,6 +117,33 @@ fn the_place_of_a_dropped_patch_goes_to_the_other_side_of_the_nearest_cut() {
 }
 
 #[test]
+fn a_point_at_a_border_is_told_from_one_that_only_lies_beside_it() {
+    let locator = quarters();
+    let find = |x: f32, y: f32, tolerance: f32| {
+        let found = locator.find(0, [x, y, 0.0], tolerance).expect("the face has patches");
+        (found.patch, found.at_border)
+    };
+    // Both sides of a cut, at one unit in the last place.
+    let (low, high) = (0.5f32.next_down(), 0.5f32);
+    assert_eq!([find(low, 0.2, 1e-6), find(high, 0.2, 1e-6)], [(0, true), (2, true)]);
+    assert_eq!([find(0.2, low, 1e-6), find(0.2, high, 1e-6)], [(0, true), (1, true)]);
+    assert_eq!([find(low, 0.2, 0.0), find(high, 0.2, 0.0)], [(0, false), (2, false)], "no error was asked for");
+    // The cut between the patches of the other half is none of a point's.
+    assert_eq!([find(0.498, 0.2, 1e-3), find(0.498, 0.2, 3e-3)], [(0, false), (0, true)]);
+    // Both sides of the border between two cells.
+    let (low, high) = (1.0f32.next_down(), 1.0f32);
+    assert_eq!([find(low, 0.2, 1e-6), find(high, 0.2, 1e-6)], [(2, true), (1, true)]);
+    assert_eq!([find(0.9, 0.2, 1e-6), find(1.1, 0.2, 1e-6)], [(2, false), (1, false)]);
+    // Beyond the other ends of the cells there is nothing to be confused with.
+    assert_eq!(
+        [find(1e-9, 0.2, 1e-6), find(2.0, 0.2, 1e-6), find(2.1, 0.2, 1e-6)],
+        [(0, false), (1, false), (1, false)]
+    );
+    let joined = locator.renumbered(|_| Some(0)).find(0, [low, 0.5, 0.0], 1e-6).expect("the face has patches");
+    assert!(!joined.at_border, "one patch does not border on itself");
+}
+
+#[test]
 fn form_factors_stay_reciprocal_in_any_order() {
     let cube = cube();
     for i in 0..6 {
