@@ -11,15 +11,16 @@
 //! - the ray starts a gap off the surface, 2e-6 of the largest coordinate, above the rounding of
 //!   points and of the triangle test, so that coplanar neighbours are not met either;
 //! - points keep four gaps from the edges of their piece, so the gap does not lead through the next wall
-//!   unless the corner is acute, which is asked for each sample (`start`).
+//!   unless the corner is acute, which is asked for each sample (`start`);
+//! - where a ray lands within rounding of another patch, rays next to it tell which of them is seen ([`land`]).
 //!
 //! What is smaller than a few gaps is not resolved: a cube of 1e-4 of the scene is, one of 1e-6 is not.
 
 use std::ops::{Add, Range};
 
 use glam::Vec3;
-use radfile::{Patches, face_id};
-use scene::{PatchSampler, Rays, Sobol, cosine_direction, hash};
+use radfile::Patches;
+use scene::{PatchSampler, Rays, Sobol, cosine_direction, hash, land};
 
 /// What became of the samples of one patch.
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,12 +85,11 @@ impl Surroundings<'_> {
             };
             tally.rays += 1;
             let direction = cosine_direction(point.normal, u, v);
-            let Some(hit) = self.rays.closest(origin, direction, f32::INFINITY, point.triangle) else {
+            let Some(landing) = land(self.rays, &self.patches.locator, origin, direction, point.triangle) else {
                 tally.escaped += 1;
                 continue;
             };
-            let place = (origin + hit.t * direction).to_array();
-            match self.patches.locator.patch_at(face_id(hit.triangle, hit.side), place) {
+            match landing.patch {
                 Some(seen) => {
                     tally.hits += 1;
                     counts[seen as usize] += 1;
