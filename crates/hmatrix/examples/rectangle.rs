@@ -9,7 +9,7 @@
 use std::time::Instant;
 
 use hmatrix::{Params, Receivers, Rectangle, compress_rows, sparse};
-use radfile::{Container, Mesh, Patches, PointRows, Quiet, Record, Rows};
+use radfile::{Container, Elements, Mesh, Patches, PointRows, Quiet, Record, Rows};
 use rayon::prelude::*;
 use scene::{NO_TRIANGLE, Rays, SurfacePoint};
 use transfer::GatherParams;
@@ -25,8 +25,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let container = Container::open(path.as_ref())?;
     let (mesh, patches) = (Mesh::read(&container)?, Patches::read(&container)?);
     let bvh = Rays::new(&mesh);
-    let params = transfer::Params { edge: Some(edge), ..transfer::Params::default() };
-    let (fine, _) = transfer::transfer(&mesh, &patches, &bvh, &params, &Quiet)?;
+    let elements = Elements::whole(&patches);
+    let from = transfer::Senders { patches: &patches, elements: &elements, rays: &bvh };
+    let mode = transfer::Mode::Interpolate;
+    let params = transfer::Params { mode, edge: Some(edge), ..transfer::Params::default() };
+    let (fine, _) = transfer::transfer(&mesh, &from, &params, &Quiet)?;
     let receivers = Receivers { position: &fine.position, normal: &fine.normal };
     let point = |(p, n): (&[f32; 3], &[f32; 3])| SurfacePoint {
         position: glam::Vec3::from(*p),
@@ -36,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let points: Vec<SurfacePoint> = fine.position.iter().zip(&fine.normal).map(point).collect();
     let start = Instant::now();
     let gathered =
-        transfer::gather_for_points(&patches, &bvh, &points, &GatherParams { rays, ..Default::default() }, &Quiet);
+        transfer::gather_for_points(&from, &points, &GatherParams { rays, ..Default::default() }, &Quiet);
     let gather_s = start.elapsed().as_secs_f64();
     let PointRows::Gathered { rows, .. } = gathered else { return Err("points are gathered".into()) };
     let row = sparse(&rows, &receivers)?;

@@ -81,7 +81,7 @@ impl Default for Params {
             edge: None,
             radius: 1.5,
             max_triangles: 4_000_000,
-            gather: GatherParams { rays: 2048, ..GatherParams::default() },
+            gather: GatherParams { rays: 1024, ..GatherParams::default() },
             gather_error: 0.01,
             lightmap: None,
         }
