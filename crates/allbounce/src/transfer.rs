@@ -2,14 +2,14 @@
 
 use clap::ValueEnum;
 use radfile::{Container, Progress, Sink, Step};
-use transfer::GatherParams;
+use transfer::{GatherParams, LightmapParams};
 
 use crate::{numbers, stage::Stage};
 
 /// Tessellate the mesh and find, for each vertex and side, how light comes to it.
 ///
 /// Reads scene and patches. Adds the finer mesh, and for each receiver packed form factors of all that it sees, or
-/// normalised weights over patches nearby.
+/// normalised weights over patches nearby; a lightmap's texels where asked for.
 #[derive(clap::Args)]
 pub struct Options {
     /// How light comes to vertices [default: gather; interpolate where the operator holds some bounces only]
@@ -18,13 +18,21 @@ pub struct Options {
     /// Longest edge of the finer mesh, such as 0.1m [default: the voxel size]
     #[arg(long, value_name = "LENGTH", value_parser = numbers::metres)]
     edge: Option<f32>,
-    /// Rays of each receiver of the gather [default: 2048]
+    /// Rays of each receiver of the gather [default: 1024]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=1 << 16))]
     gather_rays: Option<u32>,
     /// Error of the receivers' light that packing the gather may cause, 0.05% to 50%: L2, mean over probe lights
     /// [default: 1%]
     #[arg(long, value_name = "E", value_parser = numbers::operator_error)]
     gather_error: Option<f64>,
+    /// Make a lightmap of about so many texels as well, by the scene's second texture coordinates (TEXCOORD_1 of glTF) where
+    /// they fit, otherwise unwrapped [without a number: 65536]
+    #[arg(long, value_name = "TEXELS", num_args = 0..=1, default_missing_value = "65536",
+        value_parser = clap::value_parser!(u32).range(16..=1 << 22))]
+    lightmap: Option<u32>,
+    /// Texels around each piece of an unwrapped lightmap that filters may read [default: 2]
+    #[arg(long, value_name = "N", requires = "lightmap", value_parser = clap::value_parser!(u32).range(1..=64))]
+    lightmap_padding: Option<u32>,
 }
 
 /// How light comes to receivers.
@@ -48,7 +56,9 @@ impl Options {
         let default = transfer::Params::default();
         let gather = GatherParams { rays: self.gather_rays.unwrap_or(default.gather.rays), ..default.gather };
         let gather_error = self.gather_error.unwrap_or(default.gather_error);
-        Ok(transfer::Params { mode, edge: self.edge, gather, gather_error, ..default })
+        let padding = self.lightmap_padding.unwrap_or(LightmapParams::default().padding);
+        let lightmap = self.lightmap.map(|texels| LightmapParams { texels, padding });
+        Ok(transfer::Params { mode, edge: self.edge, gather, gather_error, lightmap, ..default })
     }
 }
 
@@ -61,12 +71,14 @@ impl Stage for Options {
         let edge = self.edge.map(|edge| format!("--edge {edge}m"));
         let rays = self.gather_rays.map(|rays| format!("--gather-rays {rays}"));
         let error = self.gather_error.map(|error| format!("--gather-error {error}"));
-        [mode, edge, rays, error].into_iter().flatten().collect::<Vec<_>>().join(" ")
+        let lightmap = self.lightmap.map(|texels| format!("--lightmap {texels}"));
+        let padding = self.lightmap_padding.map(|texels| format!("--lightmap-padding {texels}"));
+        [mode, edge, rays, error, lightmap, padding].into_iter().flatten().collect::<Vec<_>>().join(" ")
     }
 
     fn memory(&self, input: &Container) -> anyhow::Result<(u64, &'static str)> {
         let need = transfer::memory_needed(input, &self.params(input)?)?;
-        Ok((need, "take a longer --edge, fewer --gather-rays, or --mode interpolate"))
+        Ok((need, "take a longer --edge, fewer --gather-rays, a smaller --lightmap, or --mode interpolate"))
     }
 
     fn apply(&self, input: &Container, step: Step, p: &dyn Progress, sink: &mut Sink) -> anyhow::Result<Self::Report> {

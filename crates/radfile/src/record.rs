@@ -81,6 +81,9 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("lightmap.normal", "transfer"),
     ("lightmap.triangle", "transfer"),
     ("lightmap.receiver", "transfer"),
+    ("lightmap.gather_meta", "transfer"),
+    ("lightmap.gather", "transfer"),
+    ("lightmap.sky", "transfer"),
 ];
 
 /// Sections that later minor versions brought, from 1.1 on; all others are those of 1.0.
@@ -108,6 +111,9 @@ const SINCE: [&[&str]; 3] = [
         "lightmap.normal",
         "lightmap.triangle",
         "lightmap.receiver",
+        "lightmap.gather_meta",
+        "lightmap.gather",
+        "lightmap.sky",
         "elements.start",
         "elements.area",
         "elements.reflectance",

@@ -2,9 +2,11 @@
 
 use std::{collections::HashMap, path::Path};
 
-use radfile::{Container, ElementType, FLAG_PATCH_ORDER, FLAG_REQUIRED, Record, SECTIONS};
+use radfile::{Container, ElementType, FLAG_PATCH_ORDER, FLAG_REQUIRED, Lightmap, Record, SECTIONS};
 
-use crate::fixture::{cube, cube_with_cuts, elements, gathered, half, hierarchical, lightmap, minimal, open};
+use crate::fixture::{
+    Cube, cube, cube_with_cuts, elements, gathered, gathered_by_lightmap, half, hierarchical, lightmap, minimal, open,
+};
 
 fn specification() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../formats/rad.md");
@@ -47,18 +49,25 @@ fn fits(extent: &str, found: u64, symbols: &mut HashMap<String, u64>) -> bool {
     found == factor * value + plus
 }
 
-#[test]
-fn every_section_has_the_element_shape_and_flags_that_the_specification_lists() {
-    let (mut cube, hierarchical, half, lightmap) = (cube_with_cuts(), hierarchical(), half(), lightmap());
-    let (elements, gathered) = (elements(), gathered());
-    cube.mesh.lightmap_uv = cube.mesh.uv.clone();
+/// A file of the cube that has every record.
+fn with_all_records(cube: &Cube) -> Container {
+    let (hierarchical, half, elements, gathered) = (hierarchical(), half(), elements(), gathered());
+    let (lightmap, of_lightmap) = (lightmap(), gathered_by_lightmap());
     let mut builder = cube.builder();
     hierarchical.write(&mut builder);
     half.write(&mut builder);
-    lightmap.write(&mut builder);
     elements.write(&mut builder);
     gathered.write(&mut builder);
-    let container = open(&builder);
+    lightmap.write(&mut builder);
+    of_lightmap.write(&mut builder, Lightmap::PREFIX, 0);
+    open(&builder)
+}
+
+#[test]
+fn every_section_has_the_element_shape_and_flags_that_the_specification_lists() {
+    let mut cube = cube_with_cuts();
+    cube.mesh.lightmap_uv = cube.mesh.uv.clone();
+    let container = with_all_records(&cube);
     let mut symbols = HashMap::new();
     let text = specification();
     let listed = section_rows(&text);
@@ -119,11 +128,11 @@ impl Reader {
         let (mut sections, mut tables, mut current) = (HashMap::new(), HashMap::new(), String::new());
         for line in text.lines().skip_while(|l| !l.starts_with("## 5")).take_while(|l| !l.starts_with("## 6")) {
             if let Some(heading) = line.strip_prefix("#### ") {
-                let (name, section) = heading.split_once(", section ").unwrap_or((heading, ""));
+                let (name, listed) = heading.split_once(", section").unwrap_or((heading, ""));
                 current = name.to_string();
                 tables.insert(current.clone(), vec![]);
-                if !section.is_empty() {
-                    sections.insert(section.trim_matches('`').to_string(), current.clone());
+                for section in listed.split('`').skip(1).step_by(2) {
+                    sections.insert(section.to_string(), current.clone());
                 }
             } else if line.starts_with('|') && !line.starts_with("|--") {
                 let cells = line.trim_matches('|').split('|').map(|c| c.trim().to_string()).collect();
@@ -206,15 +215,8 @@ fn float64(bytes: &[u8]) -> u64 {
 #[test]
 fn a_reader_made_from_the_specification_alone_reads_all_metadata() {
     let reader = Reader::new(&specification());
-    let (cube, hierarchical, half, lightmap) = (cube(), hierarchical(), half(), lightmap());
-    let (elements, gathered) = (elements(), gathered());
-    let mut builder = cube.builder();
-    hierarchical.write(&mut builder);
-    half.write(&mut builder);
-    lightmap.write(&mut builder);
-    elements.write(&mut builder);
-    gathered.write(&mut builder);
-    let container = open(&builder);
+    let cube = cube();
+    let container = with_all_records(&cube);
     let metas = container.sections().iter().filter(|s| s.element == ElementType::Meta);
     let read: Vec<(&str, String)> = metas.map(|s| (s.name.as_str(), reader.section(&container, &s.name))).collect();
     assert_eq!(read.len(), reader.sections.len(), "every section that is specified was read");
