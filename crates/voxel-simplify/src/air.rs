@@ -5,10 +5,9 @@
 //! the scene. Two patches of different airspaces must never share a radiosity: a sealed room would
 //! be lit through its wall.
 
-use glam::Vec3;
-use radfile::{Patches, Side, face_id};
+use radfile::Patches;
 use rayon::prelude::*;
-use scene::{PatchSampler, Rays, Sobol, cosine_direction, hash};
+use scene::{PatchSampler, Rays, Sobol, cosine_direction, hash, land};
 
 use crate::sets::{join, root};
 
@@ -87,17 +86,16 @@ fn look(patches: &Patches, sampler: &PatchSampler, rays: &Rays, patch: usize, se
         let [x, y, z, w] = sequence.sample(ray);
         let point = sampler.point(patch, x, y);
         let origin = rays.off_surface(point.position, point.normal);
-        let direction: Vec3 = cosine_direction(point.normal, z, w);
-        let Some(hit) = rays.closest(origin, direction, f32::INFINITY, point.triangle) else {
+        let direction = cosine_direction(point.normal, z, w);
+        let Some(landing) = land(rays, &patches.locator, origin, direction, point.triangle) else {
             view.met.push(patches.len() as u32);
             continue;
         };
-        match hit.side {
-            Side::Front => view.fronts += 1,
-            Side::Back => view.backs += 1,
+        match landing.face.is_multiple_of(2) {
+            true => view.fronts += 1,
+            false => view.backs += 1,
         }
-        let place = (origin + hit.t * direction).to_array();
-        view.met.extend(patches.locator.patch_at(face_id(hit.triangle, hit.side), place));
+        view.met.extend(landing.patch);
     }
     view.met.sort_unstable();
     view.met.dedup();

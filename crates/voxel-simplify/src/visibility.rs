@@ -5,9 +5,9 @@
 //! mostly. It would be a row and a column of zeros. Who sees little of a small thing may miss it with
 //! all its rays; what the small thing's rays meet counts as well.
 
-use radfile::{Patches, Progress, face_id};
+use radfile::{Patches, Progress};
 use rayon::prelude::*;
-use scene::{PatchSampler, Rays, Sobol, cosine_direction, hash};
+use scene::{PatchSampler, Rays, Sobol, cosine_direction, hash, land};
 
 /// For every patch whether it sees another or is seen by one, and how many rays that took.
 pub fn seen(patches: &Patches, rays: &Rays, count: u32, seed: u32, progress: &dyn Progress) -> (Vec<bool>, u64) {
@@ -45,6 +45,5 @@ fn target(patches: &Patches, sampler: &PatchSampler, rays: &Rays, patch: usize, 
     let point = sampler.point(patch, x, y);
     let origin = rays.off_surface(point.position, point.normal);
     let direction = cosine_direction(point.normal, z, w);
-    let hit = rays.closest(origin, direction, f32::INFINITY, point.triangle)?;
-    patches.locator.patch_at(face_id(hit.triangle, hit.side), (origin + hit.t * direction).to_array())
+    land(rays, &patches.locator, origin, direction, point.triangle)?.patch
 }
