@@ -30,11 +30,13 @@ const FINER: f32 = 4.0;
 /// Lamps that are tried.
 const LAMPS: u32 = 120;
 /// What unlike places count, against unlike light on average.
-const PLACE: f64 = 2.0;
+const PLACE: f64 = 3.0;
 /// What unlike reflectances count, against unlike light.
 const REFLECTANCE: f64 = 0.1;
 /// Mean square of light that is expected where no lamp was, relative to that of all.
 const DARK: f64 = 0.01;
+/// Cells within which small parts may be joined from the start, in voxels of the wanted number.
+const REACHES: [f32; 4] = [1.0, 2.0, 4.0, 8.0];
 /// Sizes of uniform voxels for which errors are told, relative to those of the wanted number.
 const SIZES: [f32; 5] = [2.0, 1.4, 1.0, 0.7, 0.5];
 
@@ -130,7 +132,9 @@ impl Workshop<'_> {
         let whole = regions(self.patches, self.kept, &self.touches, f32::INFINITY);
         let mut area = vec![0.0; self.patches.len()];
         (0..).zip(&whole).for_each(|(p, part)| part.iter().for_each(|&q| area[q as usize] += self.area(p)));
-        self.link_near(&mut forest, self.size, &whole, &area);
+        for reach in REACHES {
+            self.link_near(&mut forest, reach * self.size, &whole, &area);
+        }
 
         let mut stops: Vec<(usize, Option<usize>)> =
             uniform.iter().map(|owner| count(owner)).zip((0..).map(Some)).collect();
@@ -157,7 +161,7 @@ impl Workshop<'_> {
     fn join_all(&self, forest: &mut Forest, wanted: usize) {
         forest.join_until(wanted);
         let extent = (self.bench.surface.upper - self.bench.surface.lower).max_element() as f32;
-        let mut reach = self.size;
+        let mut reach = REACHES[REACHES.len() - 1] * self.size;
         while forest.count() > wanted && reach < extent {
             reach *= 2.0;
             let owner = self.owner(forest);

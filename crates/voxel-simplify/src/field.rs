@@ -21,7 +21,7 @@ const RAYS: u32 = 128;
 /// Points of a fine patch that are tested for shadow, a lamp.
 const POINTS: u32 = 2;
 /// Every so many lamps one is held back to judge by.
-const HELD_BACK: usize = 3;
+const HELD_BACK: usize = 4;
 
 /// Irradiance of patches. For every lamp, its mean square by area is 1 over the number of lamps that shine.
 pub struct Field {

@@ -12,6 +12,8 @@ use scene::{NO_TRIANGLE, PatchSampler, Rays, Sobol, SurfacePoint, hash};
 const HEIGHT: [f32; 2] = [0.3, 0.7];
 /// Least way to what lies opposite, in diagonals of the scene: nobody hangs a lamp between the boards of a shelf.
 const ROOM: f32 = 0.06;
+/// Radius of lamps, in diagonals of the scene.
+const RADIUS: f32 = 0.04;
 /// The way where nothing lies opposite.
 const OPEN: f32 = 0.4;
 /// Places that are tried for a lamp.
@@ -19,8 +21,8 @@ const TRIES: u32 = 64;
 
 /// Light of one kind.
 pub enum Lamp {
-    /// A point of 1 W/sr.
-    Point(Vec3),
+    /// 1 W/sr from a place; from near it counts as a ball of some size, or one bright spot would be all that counts.
+    Ball { centre: Vec3, radius: f32 },
     /// 1 W/m² from this direction, where the sky is.
     Sun(Vec3),
 }
@@ -30,11 +32,11 @@ impl Lamp {
     fn irradiance(&self, at: &SurfacePoint, rays: &Rays) -> f32 {
         let origin = rays.off_surface(at.position, at.normal);
         match self {
-            Lamp::Point(lamp) => {
-                let way = *lamp - origin;
-                let cosine = way.dot(at.normal);
-                let lit = cosine > 0.0 && rays.visible(origin, *lamp, at.triangle);
-                if lit { cosine / way.length().powi(3) } else { 0.0 }
+            Lamp::Ball { centre, radius } => {
+                let way = *centre - origin;
+                let height = way.dot(at.normal);
+                let lit = height > 0.0 && rays.visible(origin, *centre, at.triangle);
+                if lit { height / (way.length_squared() + radius * radius).powf(1.5) } else { 0.0 }
             }
             Lamp::Sun(towards) => {
                 let cosine = towards.dot(at.normal);
@@ -75,7 +77,7 @@ pub fn hang(patches: &Patches, outside: &[bool], count: u32, rays: &Rays, seed: 
     let lamp = |number: u32| {
         let sobol = Sobol::new(hash(seed, number));
         let sun = (number % 5 == 4).then(|| places.sun(&sobol)).flatten();
-        sun.map_or_else(|| Lamp::Point(places.airy(&sobol)), Lamp::Sun)
+        sun.map_or_else(|| Lamp::Ball { centre: places.airy(&sobol), radius: RADIUS * diagonal }, Lamp::Sun)
     };
     (0..count).map(lamp).collect()
 }
