@@ -66,9 +66,9 @@ fn fails(file: &Path, expected: &[&str]) {
 #[test]
 fn altered_form_factors_operators_textures_and_weights_are_found() {
     let folder = tempfile::tempdir().expect("a folder");
-    let sound = bake(folder.path(), "sound.rad", &["--keep-dense"]);
+    let sound = bake(folder.path(), "sound.rad", &["--keep-dense", "--mode", "interpolate"]);
     let copy = altered(&sound, "series.values", |_| {});
-    assert_eq!(verdicts(&verify(&copy).done(), "holds").len(), 10, "a copy is as sound as the bake");
+    assert_eq!(verdicts(&verify(&copy).done(), "holds").len(), 11, "a copy is as sound as the bake");
 
     let n = Container::open(&sound).expect("a container").array::<f32>("patches.area", 1).expect("areas").0.len();
     let pair = |values: &[f32]| (0..n * n).find(|at| at / n != at % n && values[*at] > 1e-3).expect("two that meet");
@@ -120,6 +120,18 @@ fn altered_form_factors_operators_textures_and_weights_are_found() {
         vec![0u8; blocks.len()],
     );
     fails(&written(&builder, &sound), &["furnace identity of the packed operator"]);
+}
+
+/// What a receiver sees of the scene and of the sky together is not more than all; elements are parts of their patch.
+#[test]
+fn altered_elements_and_skies_of_gathered_receivers_are_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let sound = bake(folder.path(), "sound.rad", &["--edge", "1m"]);
+    verify(&altered(&sound, "transfer.sky", |_| {})).done();
+    let open = altered(&sound, "transfer.sky", |sky| sky.iter_mut().for_each(|s| *s = (*s + 0.05).min(1.0)));
+    fails(&open, &["form factors of a receiver and its sky"]);
+    let large = altered(&sound, "elements.area", |area| area[0] *= 1.1);
+    fails(&large, &["areas of elements sum to that of their patch"]);
 }
 
 /// The same stream with luma a tenth brighter: its unit stands behind header, order and weights (`formats/rad.md` §6).

@@ -81,6 +81,18 @@ pub struct FineMesh {
     pub receiver: Vec<[[u32; 3]; 2]>,
 }
 
+impl FineMesh {
+    /// Takes the given receivers from all corners.
+    pub fn drop_receivers(&mut self, dropped: &[u32]) {
+        let dropped: std::collections::HashSet<u32> = dropped.iter().copied().collect();
+        for corner in self.receiver.as_flattened_mut().as_flattened_mut() {
+            if dropped.contains(corner) {
+                *corner = NO_RECEIVER;
+            }
+        }
+    }
+}
+
 /// How light comes to the receivers of a bake.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Weights {

@@ -38,6 +38,9 @@ impl Default for GatherParams {
 /// A patch that fewer rays than this meet counts as a whole: they would say more of chance than of its elements.
 const NEAR: u32 = 16;
 
+/// A receiver of which less than this share of the rays meets anything lies inside of something.
+const BURIED: f32 = 0.05;
+
 /// What light is gathered from.
 #[derive(Clone, Copy)]
 pub struct Senders<'a> {
@@ -108,7 +111,7 @@ pub fn pack(
         elements: elements.len(),
         rays: params.rays,
         mean_row: rows.patch.len() as f64 / points.len().max(1) as f64,
-        blind: (0..rows.len()).filter(|&r| rows.row(r).next().is_none() && sky[r] == 0.0).count(),
+        buried: buried(&rows, &sky),
         bytes: packed.to_bytes().len(),
         bytes_per_receiver: packed.to_bytes().len() as f64 / points.len().max(1) as f64,
         error_wanted: error,
@@ -123,6 +126,12 @@ pub fn pack(
         vis99,
     };
     Ok((Gathered { certificate, stream: packed.to_bytes().to_vec(), sky }, report))
+}
+
+/// Receivers whose rays hardly meet a patch or the sky: they lie inside of something, which no light enters.
+fn buried(rows: &Rows, sky: &[f32]) -> Vec<u32> {
+    let met = |r: usize| sky[r] + rows.row(r).map(|(_, share)| share).sum::<f32>();
+    (0..rows.len()).filter(|&r| met(r) < BURIED).map(|r| r as u32).collect()
 }
 
 /// The middle of the points of each element.

@@ -131,6 +131,8 @@ pub fn transfer(
             let point = |r: &Receiver| SurfacePoint { position: r.position, normal: r.normal, triangle: r.face / 2 };
             let points: Vec<SurfacePoint> = receivers.iter().map(point).collect();
             let (gathered, numbers) = pack(senders, &points, &params.gather, params.gather_error, progress)?;
+            // Between a floor's vertex under a box and one beside it, light does not fade: only the latter counts.
+            fine.drop_receivers(&numbers.buried);
             report.gathered = Some(numbers);
             Weights::Gathered(gathered)
         }

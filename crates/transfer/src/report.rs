@@ -79,8 +79,9 @@ pub struct Gathered {
     pub rays: u32,
     /// Elements that a receiver sees, on average.
     pub mean_row: f64,
-    /// Receivers that see nothing, not even the sky.
-    pub blind: usize,
+    /// Numbers of the receivers that lie inside of something: their rays meet no patch and no sky.
+    #[serde(serialize_with = "count")]
+    pub buried: Vec<u32>,
     /// Bytes of the packed rows.
     pub bytes: usize,
     /// Bytes per receiver.
@@ -91,4 +92,9 @@ pub struct Gathered {
     pub l2_mean: f64,
     /// 99th percentile of the error relative to what is seen at the place, mean over the same.
     pub vis99: f64,
+}
+
+/// A report says how many there are.
+fn count<S: serde::Serializer>(numbers: &[u32], serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    serializer.serialize_u64(numbers.len() as u64)
 }
