@@ -3,7 +3,10 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use radfile::{Container, HierarchicalOperator, Mesh, PackedOperator, Patches, Provenance, Record, Section, Transfer, Weights, Gathered};
+use radfile::{
+    Container, Gathered, HierarchicalOperator, Lightmap, Mesh, PackedOperator, Patches, Provenance, Record, Section,
+    Transfer, Weights,
+};
 use serde::Serialize;
 
 use crate::{files, memory, session::Session};
@@ -115,6 +118,14 @@ fn contents(c: &Container) -> anyhow::Result<Vec<String>> {
             Weights::Gathered(gathered) => gathered_rows(gathered),
         };
         lines.push(format!("transfer: {} receivers, {} fine triangles, {how}", t.receivers(), t.fine.triangle.len()));
+    }
+    if c.has("lightmap.meta") {
+        let map = Lightmap::read(c)?;
+        let how = match Gathered::is_in(c, Lightmap::PREFIX) {
+            true => gathered_rows(&Gathered::read(c, Lightmap::PREFIX, map.receivers())?),
+            false => "its form factors were dropped".into(),
+        };
+        lines.push(format!("lightmap: {} × {} texels, {} receivers, {how}", map.width, map.height, map.receivers()));
     }
     Ok(lines)
 }

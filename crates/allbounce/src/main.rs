@@ -6,6 +6,7 @@ mod bake;
 mod csv_points;
 mod diff;
 mod dxt_pack;
+mod export;
 mod files;
 mod formfactor;
 mod gpu;
@@ -41,6 +42,7 @@ Examples:
   allbounce bake room.glb -o room.rad --patches 3000
   allbounce relight room.rad --lights evening.json --points points.csv -o irradiance.csv
   allbounce render room.rad --lights evening.json --camera door.json -o evening.png --backend gpu
+  allbounce export room.rad --lights evening.json -o evening      # lightmap, vertex colours, table
   allbounce reference room.glb --lights evening.json --points points.csv -o truth.csv --rel-error 1%
 
 evening.json: { \"use_scene_emission\": true, \"lights\": [
@@ -70,6 +72,7 @@ enum Command {
     Transfer(stage::Args<transfer::Options>),
     Relight(relight::Args),
     Render(render::Args),
+    Export(export::Args),
     Reference(reference::Args),
     Inspect(inspect::Args),
     Verify(verify::Args),
@@ -100,6 +103,7 @@ fn run(command: &Command, session: &Session) -> anyhow::Result<()> {
         Command::Transfer(args) => stage::run(args, session),
         Command::Relight(args) => relight::run(args, session),
         Command::Render(args) => render::run(args, session),
+        Command::Export(args) => export::run(args, session),
         Command::Reference(args) => reference::run(args, session),
         Command::Inspect(args) => inspect::run(args, session),
         Command::Verify(args) => verify::run(args, session),

@@ -67,7 +67,7 @@ struct Report {
 }
 
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
-    let mut inputs = vec![("the bake", args.bake.as_path()), ("the lights", args.light.path())];
+    let mut inputs = vec![("the bake", args.bake.as_path()), ("the lights", args.light.chosen.path())];
     inputs.extend(args.points.iter().map(|p| ("the points", p.as_path())));
     files::check_outputs(&session.outputs(&args.output), &inputs)?;
     let bake = Bake::open(&args.bake)?;
@@ -95,7 +95,7 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
             crate::gpu::relight(args.bounces, &bake, &operator, &rig, &surface, rows.as_ref()).with_context(named)?
         }
     };
-    args.light.blank(&mut light.direct, &mut light.indirect);
+    args.light.chosen.blank(&mut light.direct, &mut light.indirect);
     if !light.direct.iter().chain(&light.indirect).flatten().all(|v| v.is_finite()) {
         bail!("{}", runtime::TOO_BRIGHT);
     }

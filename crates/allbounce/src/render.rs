@@ -60,7 +60,8 @@ struct Report {
 }
 
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
-    let inputs = [("the bake", args.bake.as_path()), ("the lights", args.light.path()), ("the camera", &args.camera)];
+    let inputs =
+        [("the bake", args.bake.as_path()), ("the lights", args.light.chosen.path()), ("the camera", &args.camera)];
     files::check_outputs(&session.outputs(&args.output), &inputs)?;
     let pixels = u64::from(args.width) * u64::from(args.height);
     session.ask_memory("the picture", pixels * BYTES_A_PIXEL, "make it smaller (--width, --height)")?;
@@ -72,7 +73,7 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
         Backend::Cpu => (on_cpu(args, &bake, &operator, &rig, &camera, session)?, "cpu".to_owned()),
         Backend::Gpu => {
             let size = [args.width, args.height].map(usize::from);
-            crate::gpu::render(&bake, &operator, &rig, &camera, size, args.light.parts())?
+            crate::gpu::render(&bake, &operator, &rig, &camera, size, args.light.chosen.parts())?
         }
     };
     if !image.pixels.as_flattened().iter().all(|v| v.is_finite()) {
@@ -113,9 +114,10 @@ fn on_cpu(
         width: args.width.into(),
         height: args.height.into(),
         samples: args.samples,
-        parts: args.light.parts(),
+        parts: args.light.chosen.parts(),
         ..Look::default()
     };
-    let shown = Shown { bake: &relighter, transfer: &bake.transfer, receivers: &receivers, light: &light, frame: &frame };
+    let shown =
+        Shown { bake: &relighter, transfer: &bake.transfer, receivers: &receivers, light: &light, frame: &frame };
     Ok(relight::render(&shown, camera, &look, &progress))
 }

@@ -76,15 +76,33 @@ pub enum Backend {
     Gpu,
 }
 
-/// Options that choose the light.
+/// Options that choose the light, and who computes it.
 #[derive(clap::Args)]
 pub struct LightOptions {
-    /// Lights of the frame, JSON; `scene` takes the lights of the scene file
-    #[arg(long, value_name = "L.json")]
-    lights: std::path::PathBuf,
+    #[command(flatten)]
+    pub chosen: Lighting,
     /// Which processor computes the frame
     #[arg(long, value_enum, default_value = "cpu")]
     pub backend: Backend,
+}
+
+impl LightOptions {
+    /// As [`Lighting::rig`]; warns where a GPU takes too few samples.
+    pub fn rig(&self, bake: &Bake, session: &Session) -> anyhow::Result<LightRig> {
+        let rig = self.chosen.rig(bake, session)?;
+        if self.backend == Backend::Gpu && rig.use_scene_emission && glowing_share(bake) > LARGE_GLOW {
+            session.warn("large surfaces emit, which the GPU samples at 64 points in all; near them use --backend cpu");
+        }
+        Ok(rig)
+    }
+}
+
+/// Options that choose the light.
+#[derive(clap::Args)]
+pub struct Lighting {
+    /// Lights of the frame, JSON; `scene` takes the lights of the scene file
+    #[arg(long, value_name = "L.json")]
+    lights: std::path::PathBuf,
     /// Only light without any bounce
     #[arg(long, conflicts_with = "indirect_only")]
     direct_only: bool,
@@ -93,7 +111,7 @@ pub struct LightOptions {
     indirect_only: bool,
 }
 
-impl LightOptions {
+impl Lighting {
     /// Which light is asked for.
     pub fn parts(&self) -> Parts {
         match (self.direct_only, self.indirect_only) {
@@ -119,11 +137,7 @@ impl LightOptions {
 
     /// Reads the lights file, or takes the scene's own lights; warns where nothing can shine.
     pub fn rig(&self, bake: &Bake, session: &Session) -> anyhow::Result<LightRig> {
-        let rig = rig(&self.lights, &bake.scene, session)?;
-        if self.backend == Backend::Gpu && rig.use_scene_emission && glowing_share(bake) > LARGE_GLOW {
-            session.warn("large surfaces emit, which the GPU samples at 64 points in all; near them use --backend cpu");
-        }
-        Ok(rig)
+        rig(&self.lights, &bake.scene, session)
     }
 }
 
