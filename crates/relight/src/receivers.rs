@@ -11,6 +11,7 @@ use crate::{
 };
 
 /// How light comes to receivers, ready for frames.
+#[allow(clippy::large_enum_variant, reason = "there is one of it")]
 pub enum Receivers<'a> {
     /// By weights of patches nearby.
     Interpolated(&'a Rows),
