@@ -41,7 +41,7 @@ pub use texels::{LightmapParams, lightmap};
 
 use radfile::{Mesh, Patches, Progress, Transfer, Weights};
 use rayon::prelude::*;
-use scene::{Rays, SurfacePoint};
+use scene::{NO_TRIANGLE, Rays, SurfacePoint};
 
 use crate::{neighbours::Neighbours, receivers::Receiver, rows::Row, sight::Sight};
 
@@ -128,7 +128,8 @@ pub fn transfer(
             Weights::Interpolated(rows::join(rows))
         }
         Mode::Gather => {
-            let point = |r: &Receiver| SurfacePoint { position: r.position, normal: r.normal, triangle: r.face / 2 };
+            // Its normal is the mean of several triangles; a ray below its own must not pass through that.
+            let point = |r: &Receiver| SurfacePoint { position: r.position, normal: r.normal, triangle: NO_TRIANGLE };
             let points: Vec<SurfacePoint> = receivers.iter().map(point).collect();
             let (gathered, numbers) = pack(senders, &points, &params.gather, params.gather_error, progress)?;
             // Between a floor's vertex under a box and one beside it, light does not fade: only the latter counts.
