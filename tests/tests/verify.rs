@@ -66,7 +66,7 @@ fn fails(file: &Path, expected: &[&str]) {
 #[test]
 fn altered_form_factors_operators_textures_and_weights_are_found() {
     let folder = tempfile::tempdir().expect("a folder");
-    let sound = bake(folder.path(), "sound.rad", &["--keep-dense", "--mode", "interpolate"]);
+    let sound = bake(folder.path(), "sound.rad", &["--keep-dense", "--transfer", "interpolate"]);
     let copy = altered(&sound, "series.values", |_| {});
     assert_eq!(verdicts(&verify(&copy).done(), "holds").len(), 11, "a copy is as sound as the bake");
 

@@ -69,6 +69,8 @@ enum Command {
     Permute(stage::Args<permute::Options>),
     DxtPack(dxt_pack::Args),
     Hmatrix(stage::Args<hmatrix::Packing>),
+    // As part of a bake it has only its other name: there --mode is that of voxel-simplify.
+    #[command(mut_arg("transfer", |arg| arg.visible_alias("mode")))]
     Transfer(stage::Args<transfer::Options>),
     Relight(relight::Args),
     Render(render::Args),

@@ -13,7 +13,7 @@ use crate::{numbers, stage::Stage};
 #[derive(clap::Args)]
 pub struct Options {
     /// How light comes to vertices [default: gather; interpolate where the operator holds some bounces only]
-    #[arg(long = "mode", value_enum)]
+    #[arg(id = "transfer", long = "transfer", value_name = "MODE", value_enum)]
     mode: Option<Mode>,
     /// Longest edge of the finer mesh, such as 0.1m [default: the voxel size]
     #[arg(long, value_name = "LENGTH", value_parser = numbers::metres)]
