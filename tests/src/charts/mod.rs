@@ -8,6 +8,7 @@
 //! (`rectangles`, `room`), and light is judged by a solution with a certificate (`judge`). Charts of `operators` are
 //! drawn from a record of `make bench`.
 
+pub mod adaptive;
 pub mod bounces;
 pub mod condition;
 pub mod judge;
@@ -94,6 +95,7 @@ pub fn all(effort: Effort) -> Vec<Figure> {
         condition::figure(effort),
     ];
     figures.extend(operators::figures(&operators::Record::shown()));
+    figures.push(adaptive::figure());
     figures
 }
 
