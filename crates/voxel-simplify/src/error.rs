@@ -109,7 +109,8 @@ pub enum Error {
     },
     /// A pilot of another scene.
     #[error(
-        "the pilot was made of another mesh (it has {found} triangles, the scene {expected}), or with other sides; make one          of this scene"
+        "the pilot was made of another mesh (it has {found} triangles, the scene {expected}), or with other sides; \
+         make one of this scene"
     )]
     PilotOfAnother {
         /// Triangles of the pilot.
