@@ -15,7 +15,7 @@ pub struct Options {
     /// How light comes to vertices [default: gather; interpolate where the operator holds some bounces only]
     #[arg(id = "transfer", long = "transfer", value_name = "MODE", value_enum)]
     mode: Option<Mode>,
-    /// Longest edge of the finer mesh, such as 0.1m [default: the voxel size]
+    /// Longest edge of the finer mesh, such as 0.1m [default: the voxel size, or the extent of adaptive patches]
     #[arg(long, value_name = "LENGTH", value_parser = numbers::metres)]
     edge: Option<f32>,
     /// Rays of each receiver of the gather [default: 1024]

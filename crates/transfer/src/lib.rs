@@ -60,7 +60,7 @@ pub enum Mode {
 pub struct Params {
     /// How light comes to them.
     pub mode: Mode,
-    /// Longest edge of the fine mesh, metres; `None` is the voxel size.
+    /// Longest edge of the fine mesh, metres; `None` is the voxel size or, if that is longer, the extent of a mean patch.
     pub edge: Option<f32>,
     /// Interpolation: search radius for patches, voxels; grows where it finds none.
     pub radius: f32,
@@ -109,7 +109,7 @@ pub fn transfer(
     let (patches, rays) = (senders.patches, senders.rays);
     let faces = patches.locator.face_start.len().saturating_sub(1);
     assert_eq!(faces, mesh.face_count(), "the patches must belong to the mesh");
-    let edge = params.edge.unwrap_or(patches.locator.cell_size);
+    let edge = params.edge.unwrap_or_else(|| usual_edge(patches));
     let mut fine = tessellate::tessellate(mesh, edge, params.max_triangles)?;
     progress.begin("receivers", fine.vertex.len() as u64);
     let sight = Sight::new(rays, patches.locator.cell_size);
@@ -141,6 +141,12 @@ pub fn transfer(
     let vectors = |f: fn(&Receiver) -> [f32; 3]| receivers.iter().map(f).collect();
     let [position, normal] = [vectors(|r| r.position.to_array()), vectors(|r| r.normal.to_array())];
     Ok((Transfer { position, normal, weights, fine }, report))
+}
+
+/// The voxel size or, where patches were joined over several voxels, their extent.
+fn usual_edge(patches: &Patches) -> f32 {
+    let area: f64 = patches.area.iter().map(|&a| f64::from(a)).sum();
+    patches.locator.cell_size.max((area / patches.len().max(1) as f64).sqrt() as f32)
 }
 
 fn interpolate(

@@ -5,6 +5,7 @@ use scene::{Rays, Scene, Surfaces};
 
 use crate::{
     Error, Mode, Params, Report, Result, Senders, gather_memory_needed, lightmap, subdivide, tessellate, transfer,
+    usual_edge,
 };
 
 /// The stage: reads the scene and its patches, adds `transfer.*`, for a gather `elements.*`, and `lightmap.*` if asked for.
@@ -60,7 +61,7 @@ pub fn memory_needed(input: &Container, params: &Params) -> Result<u64> {
         return Ok(0); // a tessellation that is out of proportion is refused by itself
     }
     let (mesh, patches) = (Mesh::read(input)?, Patches::read(input)?);
-    let edge = params.edge.unwrap_or(patches.locator.cell_size);
+    let edge = params.edge.unwrap_or_else(|| usual_edge(&patches));
     // A fine triangle has half a vertex, and a vertex about two receivers, one a side.
     let receivers = tessellate::estimate(&mesh, edge).min(params.max_triangles as f64) as usize;
     let senders = SENDERS_A_PATCH * patches.len();

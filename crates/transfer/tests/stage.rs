@@ -31,6 +31,8 @@ fn grey(mesh: Mesh) -> Scene {
 
 fn with(params: Params) -> Result<(Transfer, Report), Error> {
     let (mesh, patches) = room();
+    // A wall is one patch here, many voxels wide.
+    let params = Params { edge: params.edge.or(Some(0.3)), ..params };
     let scene = grey(mesh);
     let rays = Rays::new(&scene.mesh);
     let elements = match params.mode {
@@ -100,7 +102,8 @@ fn container() -> Container {
 #[test]
 fn the_stage_adds_its_record_and_hands_the_rest_through() {
     let mut made = None;
-    let report = run(&container(), &Params::default(), step(), &Quiet, &mut |b| {
+    let params = Params { edge: Some(0.3), ..Params::default() };
+    let report = run(&container(), &params, step(), &Quiet, &mut |b| {
         made = Some(b.finish()?);
         Ok(())
     })
