@@ -54,7 +54,13 @@ impl Workbench {
         let output = self.baked();
         let (scene, bake) = (text(&self.file("room.obj")), text(&output));
         let fine = ["--operator-error", PACKING];
-        allbounce(["bake", &scene, "-o", &bake, "--keep-dense", "-q"].iter().chain(&fine).chain(options)).done();
+        allbounce(
+            ["bake", &scene, "-o", &bake, "--keep-dense", "--transfer", "interpolate", "-q"]
+                .iter()
+                .chain(&fine)
+                .chain(options),
+        )
+        .done();
         open(&output)
     }
 

@@ -38,8 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let points: Vec<SurfacePoint> = fine.position.iter().zip(&fine.normal).map(point).collect();
     let start = Instant::now();
-    let gathered =
-        transfer::gather_for_points(&from, &points, &GatherParams { rays, ..Default::default() }, &Quiet);
+    let gathered = transfer::gather_for_points(&from, &points, &GatherParams { rays, ..Default::default() }, &Quiet);
     let gather_s = start.elapsed().as_secs_f64();
     let PointRows::Gathered { rows, .. } = gathered else { return Err("points are gathered".into()) };
     let row = sparse(&rows, &receivers)?;

@@ -27,7 +27,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut bounces = Bounces::new(&patches, &operator);
 
     println!("part,number,ms,ms_a_light");
-    let row = |part: &str, number: usize, ms: f64| println!("{part},{number},{ms:.3},{:.3}", ms / rig.lights.len() as f64);
+    let row =
+        |part: &str, number: usize, ms: f64| println!("{part},{number},{ms:.3},{:.3}", ms / rig.lights.len() as f64);
     let mut direct_of_elements = Vec::new();
     let ms = median(frames, || {
         direct_of_elements = element_irradiance(&light, &elements, &points, sky, samples.area, &Quiet);

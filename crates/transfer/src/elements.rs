@@ -22,6 +22,8 @@ const FEWEST_LANDINGS: usize = 16;
 const DRAWN: u32 = 64;
 /// A part of less than this share of its patch is no element; a quarter is usual.
 const SMALLEST_SHARE: f64 = 1.0 / 32.0;
+/// Largest f32 below 1.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 /// Points at which the direct light of an element is looked up.
 const POINTS: usize = 8;
 
@@ -147,12 +149,15 @@ fn part(patches: &Patches, surfaces: &Surfaces, patch: usize, edge: f32, landing
         numbered.push((*key, number as u32));
     }
     let share = |group: &Vec<Landing>| patches.area[patch] * group.len() as f32 / landings.len() as f32;
-    let elements = groups.into_iter().map(|group| Part {
-        area: share(&group),
-        reflectance: reflectance(surfaces, &group),
-        points: spread(group),
-    });
-    let elements: Vec<Part> = elements.collect();
+    // Surfaces say how the parts of a patch differ, the patch how much all of it reflects.
+    let (mean, rho) = (reflectance(surfaces, landings), patches.reflectance[patch]);
+    let scaled = |own: [f32; 3], c: usize| if mean[c] > 0.0 { rho[c] * own[c] / mean[c] } else { rho[c] };
+    let element = |group: Vec<Landing>| {
+        let own = reflectance(surfaces, &group);
+        let reflectance = std::array::from_fn(|c| scaled(own, c).clamp(0.0, BELOW_ONE));
+        Part { area: share(&group), reflectance, points: spread(group) }
+    };
+    let elements: Vec<Part> = groups.into_iter().map(element).collect();
     let cells = if elements.len() < 2 { vec![] } else { numbered };
     Parted { elements, cells }
 }
