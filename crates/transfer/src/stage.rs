@@ -13,7 +13,7 @@ use crate::{
 ///
 /// # Errors
 ///
-/// What [`transfer`] and [`lightmap`] refuse, [`Error::CutOperator`], [`Error::NotGathered`], or a container that cannot be
+/// What [`transfer`] and [`lightmap()`] refuse, [`Error::CutOperator`], [`Error::NotGathered`], or a container that cannot be
 /// read or written.
 pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progress, sink: &mut Sink) -> Result<Report> {
     if let (Mode::Gather, Some(bounces)) = (params.mode, radfile::bounces_held(input)?) {
@@ -22,18 +22,16 @@ pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progre
     if params.mode != Mode::Gather && params.lightmap.is_some() {
         return Err(Error::NotGathered { what: "a lightmap" });
     }
-    let (mesh, patches) = (Mesh::read(input)?, Patches::read(input)?);
-    let rays = Rays::new(&mesh);
+    let (scene, patches) = (Scene::read(input)?, Patches::read(input)?);
+    let mesh = &scene.mesh;
+    let rays = Rays::new(mesh);
     let elements = match params.mode {
         Mode::Interpolate => Elements::whole(&patches),
-        Mode::Gather => {
-            let scene = Scene::read(input)?;
-            subdivide(&patches, &Surfaces::new(&scene.mesh, &scene.materials)?, &rays, progress)
-        }
+        Mode::Gather => subdivide(&patches, &Surfaces::new(mesh, &scene.materials)?, &rays, progress),
     };
     let senders = Senders { patches: &patches, elements: &elements, rays: &rays };
-    let (transfer, mut report) = transfer(&mesh, &senders, params, progress)?;
-    let lightmap = params.lightmap.map(|size| lightmap(&mesh, &senders, &size, params, progress)).transpose()?;
+    let (transfer, mut report) = transfer(mesh, &senders, params, progress)?;
+    let lightmap = params.lightmap.map(|size| lightmap(mesh, &senders, &size, params, progress)).transpose()?;
     let own = [Transfer::PREFIX, Elements::PREFIX, Lightmap::PREFIX];
     let replaced = |name: &str| own.iter().any(|prefix| name.starts_with(prefix));
     let mut builder = Builder::from_input(input, |s| !replaced(&s.name));

@@ -21,7 +21,7 @@ const IRRADIANCE_PNG: &str = FILES[1];
 const RADIANCE: &str = FILES[2];
 const RADIANCE_PNG: &str = FILES[3];
 const SCENE: &str = FILES[4];
-/// What [`write`] writes.
+/// What [`write()`] writes.
 pub const FILES: [&str; 5] =
     ["lightmap.exr", "lightmap.png", "lightmap_radiance.exr", "lightmap_radiance.png", "scene.glb"];
 

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::files;
 
-/// What [`write`] writes.
+/// What [`write()`] writes.
 pub const FILE: &str = "vertex_colours.glb";
 
 /// What was written, for people.
