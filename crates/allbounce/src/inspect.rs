@@ -114,7 +114,7 @@ fn contents(c: &Container) -> anyhow::Result<Vec<String>> {
     if c.has("transfer.position") {
         let t = Transfer::read(c)?;
         let how = match &t.weights {
-            Weights::Interpolated(rows) => format!("{} weights", rows.patch.len()),
+            Weights::Interpolated(rows) => format!("{} weights", rows.sender.len()),
             Weights::Gathered(gathered) => gathered_rows(gathered),
         };
         lines.push(format!("transfer: {} receivers, {} fine triangles, {how}", t.receivers(), t.fine.triangle.len()));

@@ -37,20 +37,20 @@ impl RowTables {
         let start = &rows.row_start;
         let shape = |what: String| Err(Error::Shape { what: format!("weights of receivers: {what}") });
         let ends = start.last().copied().unwrap_or(0) as usize;
-        if start.windows(2).any(|w| w[0] > w[1]) || ends != rows.patch.len() || ends != rows.weight.len() {
+        if start.windows(2).any(|w| w[0] > w[1]) || ends != rows.sender.len() || ends != rows.weight.len() {
             return shape(format!(
                 "rows end at {ends}, with {} senders and {} weights; all three must agree",
-                rows.patch.len(),
+                rows.sender.len(),
                 rows.weight.len()
             ));
         }
-        if let Some(p) = rows.patch.iter().find(|&&p| p as usize >= patches) {
+        if let Some(p) = rows.sender.iter().find(|&&p| p as usize >= patches) {
             return shape(format!("an entry names patch {p}, there are {patches}"));
         }
         Ok(RowTables {
             count: rows.len(),
             start: gpu.storage("rows of receivers", start, FEWER)?,
-            sender: gpu.storage("senders of receivers", &rows.patch, FEWER)?,
+            sender: gpu.storage("senders of receivers", &rows.sender, FEWER)?,
             weight: gpu.storage("weights of receivers", &rows.weight, FEWER)?,
         })
     }

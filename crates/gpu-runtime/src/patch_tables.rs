@@ -136,8 +136,8 @@ fn means(elements: &Elements) -> Rows {
         let own = elements.of(patch);
         let area: f32 = elements.area[own.clone()].iter().sum();
         rows.weight.extend(elements.area[own.clone()].iter().map(|a| a / area));
-        rows.patch.extend(own.map(|e| e as u32));
-        rows.row_start.push(rows.patch.len() as u32);
+        rows.sender.extend(own.map(|e| e as u32));
+        rows.row_start.push(rows.sender.len() as u32);
     }
     rows
 }

@@ -497,9 +497,9 @@ fn with_patches(rows: &Rows, patches: usize) -> Rows {
         all.row_start.push(0);
     }
     for patch in 0..patches as u32 {
-        all.patch.push(patch);
+        all.sender.push(patch);
         all.weight.push(1.0);
-        all.row_start.push(all.patch.len() as u32);
+        all.row_start.push(all.sender.len() as u32);
     }
     all
 }

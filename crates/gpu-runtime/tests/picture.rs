@@ -274,7 +274,7 @@ fn what_does_not_fit_together_or_into_the_device_is_said() {
     assert_eq!(say(bad.render(&lamp(), &nowhere, 8, 8, DIRECT).unwrap_err()), "the camera looks at its own eye");
     let text = say(bad.patch_indirect(&[[0.0; 3]; 3]).unwrap_err());
     assert_eq!(text, "the direct light is of 3 patches, the bake has 16; all parts must come from one bake");
-    let rows = radfile::Rows { row_start: vec![0, 1], patch: vec![16], weight: vec![1.0] };
+    let rows = radfile::Rows { row_start: vec![0, 1], sender: vec![16], weight: vec![1.0] };
     let text = say(bad.gather(&rows, &[[0.0; 3]; 16]).unwrap_err());
     assert_eq!(text, "weights of receivers: an entry names patch 16, there are 16");
     let packed = diagonal_operator(16, 0.5);

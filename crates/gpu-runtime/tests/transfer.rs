@@ -13,10 +13,10 @@ fn rows(receivers: u32, patches: u32) -> Rows {
     let mut rows = Rows { row_start: vec![0], ..Rows::default() };
     for r in 0..receivers {
         for _ in 0..r % 7 {
-            rows.patch.push((numbers.unit() * patches as f32) as u32);
+            rows.sender.push((numbers.unit() * patches as f32) as u32);
             rows.weight.push(numbers.unit() / 6.0);
         }
-        rows.row_start.push(rows.patch.len() as u32);
+        rows.row_start.push(rows.sender.len() as u32);
     }
     rows
 }

@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let gather_s = start.elapsed().as_secs_f64();
     let PointRows::Gathered { rows, .. } = gathered else { return Err("points are gathered".into()) };
     let row = sparse(&rows, &receivers)?;
-    let a_row = rows.patch.len() as f64 / rows.len() as f64;
+    let a_row = rows.sender.len() as f64 / rows.len() as f64;
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
     let sparse_ms = [one.install(|| sparse_ms(&rows, patches.len())), sparse_ms(&rows, patches.len())];
     println!(

@@ -77,7 +77,7 @@ impl Receivers<'_> {
 /// [`Error::ReceiverCount`] if there is not a row a receiver.
 pub fn sparse<'a>(rows: &'a Rows, receivers: &Receivers) -> Result<impl Fn(usize, &mut Row) + Sync + use<'a>> {
     let (positions, normals) = (receivers.position.len(), receivers.normal.len());
-    let entries = rows.patch.len().min(rows.weight.len());
+    let entries = rows.sender.len().min(rows.weight.len());
     let increasing = rows.row_start.is_sorted() && rows.row_start.last().is_none_or(|&end| end as usize <= entries);
     if rows.len() != positions || !increasing {
         return Err(Error::ReceiverCount { positions, normals, rows: rows.len() });

@@ -36,9 +36,9 @@ fn room(cells: usize, fine: usize) -> Room {
         let weights: Vec<(u32, f32)> =
             (0..patches.len()).map(|j| (j as u32, weight(j))).filter(|w| w.1 > 0.0).collect();
         let sum: f32 = weights.iter().map(|w| w.1).sum();
-        rows.patch.extend(weights.iter().map(|w| w.0));
+        rows.sender.extend(weights.iter().map(|w| w.0));
         rows.weight.extend(weights.iter().map(|w| w.1 / sum));
-        rows.row_start.push(rows.patch.len() as u32);
+        rows.row_start.push(rows.sender.len() as u32);
     }
     Room { patches, position, normal, rows }
 }
@@ -60,10 +60,10 @@ impl Room {
         let mut rows = Rows { row_start: vec![0], ..Rows::default() };
         for receiver in 0..receivers {
             for (patch, weight) in self.rows.row(receiver).filter(|(patch, _)| *patch < patches) {
-                rows.patch.push(patch as u32);
+                rows.sender.push(patch as u32);
                 rows.weight.push(weight);
             }
-            rows.row_start.push(rows.patch.len() as u32);
+            rows.row_start.push(rows.sender.len() as u32);
         }
         Room { rows, patches: some_patches(patches), ..self }
     }
@@ -112,7 +112,7 @@ fn held_out_lights_have_the_error_that_was_asked_for_and_smaller_errors_cost_mor
             bytes.push(report.bytes);
         }
         assert!(bytes.is_sorted() && bytes[2] > 2 * bytes[0], "{bytes:?}");
-        let entries = room.rows.patch.len();
+        let entries = room.rows.sender.len();
         assert!(bytes[1] < entries / 2, "{bytes:?} of {entries} entries");
     }
 }
@@ -152,10 +152,10 @@ fn receivers_without_a_row_and_sealed_rooms_stay_dark() {
             both.normal.push(one.normal[own]);
         }
         for (patch, weight) in one.rows.row(own).filter(|_| receiver % 5 != 0) {
-            both.rows.patch.push((patch + offset) as u32);
+            both.rows.sender.push((patch + offset) as u32);
             both.rows.weight.push(weight);
         }
-        both.rows.row_start.push(both.rows.patch.len() as u32);
+        both.rows.row_start.push(both.rows.sender.len() as u32);
     }
     let (packed, report) = both.pack(&Params::error(0.03)).expect("two rooms");
     assert_eq!(report.dark, (2 * m).div_ceil(5));
@@ -238,7 +238,7 @@ fn what_is_no_row_is_refused() {
     }
     let error = refused(&|room| room.rows.weight[room.rows.row_start[9] as usize] += 0.1);
     assert!(matches!(error, Error::RowSum { receiver: 9, .. }), "{error}");
-    let error = refused(&|room| room.rows.patch[5] = 54);
+    let error = refused(&|room| room.rows.sender[5] = 54);
     assert!(matches!(error, Error::Sender { receiver: 0, sender: 54, senders: 54 }), "{error}");
     assert!(matches!(refused(&|room| room.rows.row_start[1] = u32::MAX), Error::ReceiverCount { .. }));
     assert!(matches!(refused(&|room| room.rows.row_start.truncate(5)), Error::ReceiverCount { rows: 4, .. }));

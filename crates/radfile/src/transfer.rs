@@ -11,7 +11,7 @@ pub struct Rows {
     pub row_start: Vec<u32>,
     /// Sender of each entry: a patch where irradiance is interpolated, a sender of a gather where
     /// radiosity is.
-    pub patch: Vec<u32>,
+    pub sender: Vec<u32>,
     /// Its weight.
     pub weight: Vec<f32>,
 }
@@ -30,7 +30,7 @@ impl Rows {
     /// Entries of one receiver.
     pub fn row(&self, receiver: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
         let range = self.row_start[receiver] as usize..self.row_start[receiver + 1] as usize;
-        self.patch[range.clone()].iter().map(|&p| p as usize).zip(self.weight[range].iter().copied())
+        self.sender[range.clone()].iter().map(|&p| p as usize).zip(self.weight[range].iter().copied())
     }
 
     /// What arrives at every receiver of the light of the senders.
@@ -158,9 +158,9 @@ impl Transfer {
             }
             Weights::Gathered(_) => return Ok(()), // the stream is checked where it is read
         };
-        check_offsets("transfer", "row_start", &rows.row_start, self.receivers(), rows.patch.len())?;
-        if let Some(e) = rows.patch.iter().position(|&p| p as usize >= patch_count) {
-            return broken(format!("entry {e} names patch {}, there are {patch_count}", rows.patch[e]));
+        check_offsets("transfer", "row_start", &rows.row_start, self.receivers(), rows.sender.len())?;
+        if let Some(e) = rows.sender.iter().position(|&p| p as usize >= patch_count) {
+            return broken(format!("entry {e} names patch {}, there are {patch_count}", rows.sender[e]));
         }
         if let Some(e) = rows.weight.iter().position(|w| !(0.0..=1.0001).contains(w)) {
             return broken(format!("entry {e} has weight {}, expected 0..1", rows.weight[e]));
@@ -250,7 +250,7 @@ fn read_rows(c: &Container, receivers: usize) -> Result<Rows> {
     let sender = c.array_of::<u32>("transfer.patch", &[None])?;
     Ok(Rows {
         row_start: c.array_of::<u32>("transfer.row_start", &[Some(receivers + 1)])?.to_vec(),
-        patch: sender.to_vec(),
+        sender: sender.to_vec(),
         weight: c.array_of::<f32>("transfer.weight", &[Some(sender.len())])?.to_vec(),
     })
 }
@@ -258,6 +258,6 @@ fn read_rows(c: &Container, receivers: usize) -> Result<Rows> {
 fn write_rows<'b>(rows: &'b Rows, b: &mut Builder<'b>) {
     const BOUND: u32 = FLAG_REQUIRED | FLAG_PATCH_ORDER;
     b.array("transfer.row_start", FLAG_REQUIRED, &[rows.row_start.len()], &rows.row_start[..]);
-    b.array("transfer.patch", BOUND, &[rows.patch.len()], &rows.patch[..]);
+    b.array("transfer.patch", BOUND, &[rows.sender.len()], &rows.sender[..]);
     b.array("transfer.weight", BOUND, &[rows.weight.len()], &rows.weight[..]);
 }

@@ -78,7 +78,7 @@ fn points_in_a_furnace_have_the_light_of_the_furnace() {
     let frame = bake.frame(&light, &PatchSamples::default(), &Quiet);
     let points =
         surface_points(&cube.scene.mesh, &[[0.3, 0.0, 0.9], [1.0, 0.01, 0.5]], &[[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]);
-    let rows = Rows { row_start: vec![0, 2, 3], patch: vec![0, 1, 20], weight: vec![0.25, 0.75, 1.0] };
+    let rows = Rows { row_start: vec![0, 2, 3], sender: vec![0, 1, 20], weight: vec![0.25, 0.75, 1.0] };
     // Form factors of a point in a closed room sum to 1 as well; they weigh ρ (π + π) = π.
     for rows in [PointRows::Interpolated(rows.clone()), PointRows::Gathered { rows, sky: vec![0.0; 2] }] {
         let found = light_at_points(&bake, &light, &points, &(&rows).into(), &frame, &Samples::default(), &Quiet);
@@ -175,7 +175,7 @@ fn a_picture_shows_no_light_of_receivers_behind_a_wall() {
     let (transfer, mut rows) = corners_receive(&mesh);
     // Receivers beyond x = 0 have the light of patch 1, the others, and what is on the patch itself, that of patch 0.
     for (receiver, position) in transfer.position.iter().enumerate().take(6) {
-        rows.patch[receiver] = u32::from(position[0] > 0.0);
+        rows.sender[receiver] = u32::from(position[0] > 0.0);
     }
     patches.reflectance = vec![[0.5; 3]; 2];
     let scene = scene(mesh, 0.5, [0.0; 3]);

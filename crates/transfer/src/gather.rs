@@ -110,7 +110,7 @@ pub fn pack(
     let report = report::Gathered {
         elements: elements.len(),
         rays: params.rays,
-        mean_row: rows.patch.len() as f64 / points.len().max(1) as f64,
+        mean_row: rows.sender.len() as f64 / points.len().max(1) as f64,
         buried: buried(&rows, &sky),
         bytes: packed.to_bytes().len(),
         bytes_per_receiver: packed.to_bytes().len() as f64 / points.len().max(1) as f64,

@@ -18,10 +18,10 @@ pub fn join(rows: Vec<Row>) -> Rows {
     let mut joined = Rows { row_start: vec![0], ..Rows::default() };
     for row in rows {
         for (sender, weight) in row.entries {
-            joined.patch.push(sender);
+            joined.sender.push(sender);
             joined.weight.push(weight);
         }
-        joined.row_start.push(joined.patch.len() as u32);
+        joined.row_start.push(joined.sender.len() as u32);
     }
     joined
 }

@@ -79,5 +79,5 @@ fn rows_are_the_same_for_any_number_of_threads() {
     assert_eq!(one, four);
     let entry = size_of::<u32>() + size_of::<f32>();
     let params = GatherParams { rays: 256, ..GatherParams::default() };
-    assert!((one.0.patch.len() * entry) as u64 <= gather_memory_needed(points.len(), 2 * patches.len(), &params));
+    assert!((one.0.sender.len() * entry) as u64 <= gather_memory_needed(points.len(), 2 * patches.len(), &params));
 }

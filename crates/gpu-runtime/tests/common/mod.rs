@@ -118,9 +118,9 @@ impl Room {
             for corner in piece {
                 self.transfer.position.push(corner);
                 self.transfer.normal.push(p.normal[patch as usize]);
-                self.rows.patch.push(patch);
+                self.rows.sender.push(patch);
                 self.rows.weight.push(1.0);
-                self.rows.row_start.push(self.rows.patch.len() as u32);
+                self.rows.row_start.push(self.rows.sender.len() as u32);
             }
         }
         p.piece_start.push(p.pieces.len() as u32);

@@ -206,7 +206,7 @@ refuses!(
         (|c| c.transfer.position[2][0] = f32::NAN, "transfer: receiver 2 lies at [NaN"),
         (|c| c.transfer.normal[5] = [0.0; 3], "transfer: receiver 5 has normal [0.0, 0.0, 0.0], expected a unit"),
         (|c| rows(c).row_start[4] = 20, "transfer: row_start does not run from 0 to 46 in 24 steps"),
-        (|c| rows(c).patch[3] = 6, "transfer: entry 3 names patch 6, there are 6"),
+        (|c| rows(c).sender[3] = 6, "transfer: entry 3 names patch 6, there are 6"),
         (|c| rows(c).weight[1] = -0.5, "transfer: entry 1 has weight -0.5, expected 0..1"),
         (|c| rows(c).weight[1] = f32::NAN, "transfer: entry 1 has weight NaN"),
         (|c| rows(c).weight[2] = 0.25, "transfer: the weights of receiver 1 sum to 0.5, expected 1"),

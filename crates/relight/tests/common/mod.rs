@@ -172,9 +172,9 @@ pub fn corners_receive(mesh: &Mesh) -> (Transfer, Rows) {
         for corner in corners {
             made.position.push(corner.lerp(middle, 0.1).to_array());
             made.normal.push(normal.to_array());
-            rows.patch.push(t as u32 / 2);
+            rows.sender.push(t as u32 / 2);
             rows.weight.push(1.0);
-            rows.row_start.push(rows.patch.len() as u32);
+            rows.row_start.push(rows.sender.len() as u32);
         }
     }
     made.fine = FineMesh {
