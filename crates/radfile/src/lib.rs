@@ -8,7 +8,7 @@
 //! Start at [`Container`] to read, at [`Builder`] to write, and at the records
 //! ([`Mesh`], [`Materials`], [`Patches`], [`FormFactors`], [`Operator`],
 //! [`Permutation`], [`PackedOperator`], [`HierarchicalOperator`], [`Elements`], [`Transfer`],
-//! [`Lightmap`]) for what the sections mean.
+//! [`Lightmap`], [`Volume`]) for what the sections mean.
 //! The byte layout is specified in `formats/rad.md`.
 //!
 //! # Example
@@ -66,6 +66,7 @@ mod provenance;
 mod record;
 mod table;
 mod transfer;
+mod volume;
 
 pub use builder::{Builder, Sink};
 pub use components::Groups;
@@ -93,3 +94,4 @@ pub use progress::{Progress, Quiet};
 pub use provenance::{Provenance, Step, digest};
 pub use record::{Record, SECTIONS, bounces_held, is_packed_operator, outlasts_packing};
 pub use transfer::{FineMesh, NO_RECEIVER, PointRows, Rows, Transfer, Weights};
+pub use volume::{LARGEST_VOLUME, Volume};

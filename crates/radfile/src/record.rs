@@ -84,6 +84,13 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("lightmap.gather_meta", "transfer"),
     ("lightmap.gather", "transfer"),
     ("lightmap.sky", "transfer"),
+    ("volume.meta", "transfer"),
+    ("volume.cell", "transfer"),
+    ("volume.position", "transfer"),
+    ("volume.probe", "transfer"),
+    ("volume.gather_meta", "transfer"),
+    ("volume.gather", "transfer"),
+    ("volume.sky", "transfer"),
 ];
 
 /// Sections that later minor versions brought, from 1.1 on; all others are those of 1.0.
@@ -114,6 +121,13 @@ const SINCE: [&[&str]; 3] = [
         "lightmap.gather_meta",
         "lightmap.gather",
         "lightmap.sky",
+        "volume.meta",
+        "volume.cell",
+        "volume.position",
+        "volume.probe",
+        "volume.gather_meta",
+        "volume.gather",
+        "volume.sky",
         "elements.start",
         "elements.area",
         "elements.reflectance",

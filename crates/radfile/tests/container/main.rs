@@ -12,7 +12,6 @@ mod foreign;
 mod half;
 mod hostile;
 mod invariants;
-
 mod lightmap;
 mod metadata;
 mod patch_order;
@@ -20,6 +19,7 @@ mod random;
 mod raw;
 mod records;
 mod specification;
+mod volume;
 mod writing;
 
 use radfile::{Container, Error};

@@ -1,12 +1,14 @@
 //! Random containers come back as they were; random damage with right checksums never panics.
 
 use radfile::{
-    Builder, Container, FLAG_PATCH_ORDER, FormFactors, Materials, Mesh, Operator, PackedOperator, Patches, Permutation,
-    Provenance, Record, Tolerance, Transfer, Weights,
+    Builder, Container, Elements, FLAG_PATCH_ORDER, FormFactors, Gathered, Lightmap, Materials, Mesh, Operator,
+    PackedOperator, Patches, Permutation, Provenance, Record, Tolerance, Transfer, Volume, Weights,
 };
 
 use crate::{
-    fixture::{Extras, cube_with_cuts, every_feature, half, open},
+    fixture::{
+        Extras, cube, cube_with_cuts, elements, every_feature, gathered_by_volume, half, lightmap, open, volume,
+    },
     raw::{ENTRY, HEADER, LENGTH, OFFSET, SHAPE, edited, field, u32_at, u64_at},
 };
 
@@ -97,6 +99,15 @@ fn use_everything(c: &Container) -> u32 {
         }
         legal += 1;
     }
+    legal += u32::from(Elements::read(c).is_ok());
+    if let Ok(lightmap) = Lightmap::read(c) {
+        assert_eq!(lightmap.fill(&vec![[1.0; 3]; lightmap.receivers()]).len(), lightmap.receiver.len());
+        legal += 1;
+    }
+    if let Ok(volume) = Volume::read(c) {
+        assert_eq!(volume.fill(&vec![[1.0; 3]; volume.receivers()]).len(), volume.cells());
+        legal += u32::from(Gathered::read(c, Volume::PREFIX, volume.receivers()).is_ok());
+    }
     legal
 }
 
@@ -107,6 +118,16 @@ fn random_contents_with_right_checksums_never_panic() {
     half.write(&mut halved);
     damage(&cut.builder(), 20_000, [1000, 10_000]);
     damage(&halved, 5_000, [200, 500]);
+    let (cube, elements, lightmap) = (cube(), elements(), lightmap());
+    let (volume, of_volume) = (volume(), gathered_by_volume());
+    let mut receivers = Builder::new();
+    cube.mesh.write(&mut receivers);
+    cube.patches.write(&mut receivers);
+    elements.write(&mut receivers);
+    lightmap.write(&mut receivers);
+    volume.write(&mut receivers);
+    of_volume.write(&mut receivers, Volume::PREFIX, 0);
+    damage(&receivers, 10_000, [500, 2_000]);
 }
 
 /// Damages a file in many ways; so many must be refused, and so many records legal.

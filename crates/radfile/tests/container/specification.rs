@@ -2,10 +2,11 @@
 
 use std::{collections::HashMap, path::Path};
 
-use radfile::{Container, ElementType, FLAG_PATCH_ORDER, FLAG_REQUIRED, Lightmap, Record, SECTIONS};
+use radfile::{Container, ElementType, FLAG_PATCH_ORDER, FLAG_REQUIRED, Lightmap, Record, SECTIONS, Volume};
 
 use crate::fixture::{
-    Cube, cube, cube_with_cuts, elements, gathered, gathered_by_lightmap, half, hierarchical, lightmap, minimal, open,
+    Cube, cube, cube_with_cuts, elements, gathered, gathered_by_lightmap, gathered_by_volume, half, hierarchical,
+    lightmap, minimal, open, volume,
 };
 
 fn specification() -> String {
@@ -53,6 +54,7 @@ fn fits(extent: &str, found: u64, symbols: &mut HashMap<String, u64>) -> bool {
 fn with_all_records(cube: &Cube) -> Container {
     let (hierarchical, half, elements, gathered) = (hierarchical(), half(), elements(), gathered());
     let (lightmap, of_lightmap) = (lightmap(), gathered_by_lightmap());
+    let (volume, of_volume) = (volume(), gathered_by_volume());
     let mut builder = cube.builder();
     hierarchical.write(&mut builder);
     half.write(&mut builder);
@@ -60,6 +62,8 @@ fn with_all_records(cube: &Cube) -> Container {
     gathered.write(&mut builder);
     lightmap.write(&mut builder);
     of_lightmap.write(&mut builder, Lightmap::PREFIX, 0);
+    volume.write(&mut builder);
+    of_volume.write(&mut builder, Volume::PREFIX, 0);
     open(&builder)
 }
 
@@ -232,6 +236,7 @@ fn a_reader_made_from_the_specification_alone_reads_all_metadata() {
     assert!(of("pack.half").starts_with(&format!("6 3 7 Sqrt {} {} ", bits(0.5), bits(2.0))), "{}", of("pack.half"));
     assert_eq!(of("series.meta"), "");
     assert_eq!(of("lightmap.meta"), "4 2 ");
+    assert!(of("volume.meta").ends_with(&format!("{} 4 2 1 ", bits(1.0))), "{}", of("volume.meta"));
     assert!(of("provenance").starts_with("voxel-simplify 1.0 --frozen cube.obj 1f2e3d4c"));
 
     let (paper, mut builder) = (cube.packed_as_the_paper(), minimal());
