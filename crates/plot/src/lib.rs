@@ -1,13 +1,15 @@
-//! Line charts as SVG and PNG.
+//! Line charts as SVG and PNG, and colour bars of pictures.
 //!
 //! One kind of picture, on linear or logarithmic axes: a few named curves with markers, and a legend beside them.
 //! A chart is a value; [`Chart::svg`] and [`Chart::png`] draw it, and the same value gives the same bytes. kuva does
 //! the drawing; nothing outside this crate knows it. The eight colours are those of M. Okabe and K. Ito, "Color
 //! universal design" (2008), which every eye can tell apart.
 
+mod colour_bar;
 mod draw;
 mod error;
 
+pub use colour_bar::{BAR_HEIGHT, ColourBar, Colours};
 pub use error::Error;
 
 /// A chart with one pair of axes.
