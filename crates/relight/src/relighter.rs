@@ -18,6 +18,8 @@ pub struct Relighter<'a> {
     elements: &'a Elements,
     operator: &'a Operator<'a>,
     sky: &'a [f32],
+    /// Those that the elements have; where they have none, each frame draws as many as it is asked for.
+    points: Option<ElementPoints>,
 }
 
 /// Light of the patches in one frame, W/m².
@@ -50,7 +52,8 @@ impl<'a> Relighter<'a> {
         same_count("the elements", elements.patches(), patches)?;
         same_count("the sky visibility", sky.len(), patches)?;
         let surfaces = Surfaces::new(&scene.mesh, &scene.materials)?;
-        Ok(Relighter { scene, surfaces, rays, patches, elements, operator, sky })
+        let points = (!elements.point.is_empty()).then(|| ElementPoints::new(&scene.mesh, patches, elements, 0));
+        Ok(Relighter { scene, surfaces, rays, patches, elements, operator, sky, points })
     }
 
     /// The lights of a rig over the bake's scene.
@@ -88,8 +91,11 @@ impl<'a> Relighter<'a> {
 
     /// Direct irradiance H⁰ of the elements, W/m².
     pub fn element_light(&self, light: &DirectLight, samples: &PatchSamples, progress: &dyn Progress) -> Vec<[f32; 3]> {
-        let points = ElementPoints::new(&self.scene.mesh, self.patches, self.elements, samples.points);
-        element_irradiance(light, self.elements, &points, self.sky, samples.area, progress)
+        let drawn = || ElementPoints::new(&self.scene.mesh, self.patches, self.elements, samples.points);
+        let light_at = |points: &ElementPoints| {
+            element_irradiance(light, self.elements, points, self.sky, samples.area, progress)
+        };
+        self.points.as_ref().map_or_else(|| light_at(&drawn()), light_at)
     }
 
     /// The scene of the bake.
