@@ -59,6 +59,37 @@ pub enum Error {
         /// What was asked for.
         what: &'static str,
     },
+    /// The spacing of probes is no length.
+    #[error("probes of an irradiance volume every {found} m, expected a positive length")]
+    Spacing {
+        /// The spacing that was asked for.
+        found: f32,
+    },
+    /// More cells than the limit.
+    #[error(
+        "probes every {spacing} m are {found:.0?} along x, y and z, the limit is {limit} in all and {} along an axis; a \
+         spacing of {remedy} m fits",
+        radfile::LARGEST_VOLUME
+    )]
+    TooManyCells {
+        /// The spacing that was asked for, metres.
+        spacing: f32,
+        /// Cells along each axis that it makes.
+        found: [f64; 3],
+        /// Largest number of cells that is accepted.
+        limit: u64,
+        /// A spacing that stays below the limits, metres.
+        remedy: f32,
+    },
+    /// All probes lie inside of something.
+    #[error(
+        "the middles of all {cells} cells of the irradiance volume lie inside or behind the scene's surfaces; take a \
+         shorter spacing"
+    )]
+    NoProbe {
+        /// Cells that were tried.
+        cells: usize,
+    },
     /// There is no lightmap.
     #[error(transparent)]
     Lightmap(#[from] lightmap::Error),

@@ -12,24 +12,25 @@
 //!
 //! Every weight stands for a path through open air that was tested by rays, so no light passes a wall however thin it is.
 //!
-//! [`transfer`] makes the record of a bake, [`lightmap()`] that of a lightmap, [`gather_for_points`] and [`interpolate_for_points`] the rows of any other
-//! points.
+//! [`transfer`] makes the record of a bake, [`lightmap()`] that of a lightmap, [`volume()`] that of an irradiance volume,
+//! [`gather_for_points`] and [`interpolate_for_points`] the rows of any other points.
 
 mod elements;
 mod error;
 mod fit;
 mod gather;
-
 mod neighbours;
 mod points;
 mod receivers;
 mod report;
 mod rows;
 mod sight;
+mod spread;
 mod stage;
 mod tessellate;
 mod texels;
 mod triangle;
+mod volume;
 
 pub use elements::subdivide;
 pub use error::{Error, Result};
@@ -38,6 +39,7 @@ pub use points::rows_for_points as interpolate_for_points;
 pub use report::{Gathered, Interpolated, Report};
 pub use stage::{memory_needed, run};
 pub use texels::{LightmapParams, lightmap};
+pub use volume::{VolumeParams, volume};
 
 use radfile::{Mesh, Patches, Progress, Transfer, Weights};
 use rayon::prelude::*;
@@ -72,6 +74,8 @@ pub struct Params {
     pub gather_error: f64,
     /// A lightmap to make as well; it is gathered.
     pub lightmap: Option<LightmapParams>,
+    /// An irradiance volume to make as well; it is gathered.
+    pub volume: Option<VolumeParams>,
 }
 
 impl Default for Params {
@@ -84,6 +88,7 @@ impl Default for Params {
             gather: GatherParams { rays: 1024, ..GatherParams::default() },
             gather_error: 0.01,
             lightmap: None,
+            volume: None,
         }
     }
 }

@@ -24,6 +24,9 @@ pub struct Report {
     /// The lightmap.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lightmap: Option<Lightmap>,
+    /// The irradiance volume.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub volume: Option<Volume>,
 }
 
 /// A lightmap and what its texels gather.
@@ -35,6 +38,21 @@ pub struct Lightmap {
     #[serde(flatten)]
     pub placed: lightmap::Report,
     /// Their form factors.
+    pub gathered: Gathered,
+}
+
+/// An irradiance volume and what its probes gather.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Volume {
+    /// Cells along x, y and z.
+    pub count: [u32; 3],
+    /// Edges of a cell, metres.
+    pub spacing: [f32; 3],
+    /// Cells with a probe of their own.
+    pub probes: usize,
+    /// Cells that lie inside or behind something and show a probe nearby.
+    pub filled: usize,
+    /// Form factors of the probes, six receivers each.
     pub gathered: Gathered,
 }
 

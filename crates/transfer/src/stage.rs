@@ -1,28 +1,31 @@
 //! From container to container.
 
-use radfile::{Builder, Container, Elements, Lightmap, Mesh, Patches, Progress, Record, Sink, Step, Transfer};
+use radfile::{Builder, Container, Elements, Lightmap, Mesh, Patches, Progress, Record, Sink, Step, Transfer, Volume};
 use scene::{Rays, Scene, Surfaces};
 
 use crate::{
     Error, Mode, Params, Report, Result, Senders, gather_memory_needed, lightmap, subdivide, tessellate, transfer,
-    usual_edge,
+    usual_edge, volume,
 };
 
-/// The stage: reads the scene and its patches, adds `transfer.*`, for a gather `elements.*`, and `lightmap.*` if asked for.
-/// What an earlier run of the stage made is dropped.
+/// The stage: reads the scene and its patches, adds `transfer.*`, for a gather `elements.*`, and `lightmap.*` and
+/// `volume.*` if asked for. What an earlier run of the stage made is dropped.
 ///
 /// # Errors
 ///
-/// What [`transfer`] and [`lightmap()`] refuse, [`Error::CutOperator`], [`Error::NotGathered`], or a container that cannot be
+/// What [`transfer`], [`lightmap()`] and [`volume()`] refuse, [`Error::CutOperator`], [`Error::NotGathered`], or a container that cannot be
 /// read or written.
 pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progress, sink: &mut Sink) -> Result<Report> {
     if let (Mode::Gather, Some(bounces)) = (params.mode, radfile::bounces_held(input)?) {
         return Err(Error::CutOperator { bounces });
     }
-    if params.mode != Mode::Gather && params.lightmap.is_some() {
-        return Err(Error::NotGathered { what: "a lightmap" });
+    for (what, wanted) in [("a lightmap", params.lightmap.is_some()), ("an irradiance volume", params.volume.is_some())]
+    {
+        if wanted && params.mode != Mode::Gather {
+            return Err(Error::NotGathered { what });
+        }
     }
-    let (scene, patches) = (Scene::read(input)?, Patches::read(input)?);
+    let (patches, scene) = (Patches::read(input)?, Scene::read(input)?);
     let mesh = &scene.mesh;
     let rays = Rays::new(mesh);
     let elements = match params.mode {
@@ -32,7 +35,8 @@ pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progre
     let senders = Senders { patches: &patches, elements: &elements, rays: &rays };
     let (transfer, mut report) = transfer(mesh, &senders, params, progress)?;
     let lightmap = params.lightmap.map(|size| lightmap(mesh, &senders, &size, params, progress)).transpose()?;
-    let own = [Transfer::PREFIX, Elements::PREFIX, Lightmap::PREFIX];
+    let volume = params.volume.map(|wanted| volume(mesh, &senders, &wanted, params, progress)).transpose()?;
+    let own = [Transfer::PREFIX, Elements::PREFIX, Lightmap::PREFIX, Volume::PREFIX];
     let replaced = |name: &str| own.iter().any(|prefix| name.starts_with(prefix));
     let mut builder = Builder::from_input(input, |s| !replaced(&s.name));
     transfer.write(&mut builder);
@@ -44,6 +48,11 @@ pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progre
         gathered.write(&mut builder, Lightmap::PREFIX, 0);
         report.lightmap = Some(numbers.clone());
     }
+    if let Some((probes, gathered, numbers)) = &volume {
+        probes.write(&mut builder);
+        gathered.write(&mut builder, Volume::PREFIX, 0);
+        report.volume = Some(numbers.clone());
+    }
     builder.provenance(Some(input), step)?;
     sink(&builder)?;
     Ok(report)
@@ -53,7 +62,7 @@ pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progre
 ///
 /// # Errors
 ///
-/// A container without mesh or patches.
+/// A container without mesh or patches; an irradiance volume of too many cells.
 pub fn memory_needed(input: &Container, params: &Params) -> Result<u64> {
     if params.mode == Mode::Interpolate {
         return Ok(0); // a tessellation that is out of proportion is refused by itself
@@ -69,8 +78,12 @@ pub fn memory_needed(input: &Container, params: &Params) -> Result<u64> {
     };
     let texels = params.lightmap.map_or(0, |size| size.texels);
     let placing = if texels > 0 { lightmap::memory_needed(mesh.triangles.len() as u64, texels.into()) } else { 0 };
+    let of_volume = match params.volume {
+        Some(wanted) => Volume::NORMALS.len() * volume::cells(&mesh, &wanted)?.cells(),
+        None => 0,
+    };
     // One set of receivers after the other.
-    Ok(gather(receivers).max(gather(texels as usize) + placing))
+    Ok(gather(receivers).max(gather(texels as usize) + placing).max(gather(of_volume)))
 }
 
 /// The patch and its elements, more than [`subdivide`] makes.
