@@ -3,8 +3,8 @@
 // hmatrix_scatter.wgsl: last step of the product with hierarchical blocks, the rows of the result.
 //
 // equation   H = A^{-1/2} (C t + squares of the codes of tiles x columns + entries that stand apart); in a rectangle there is
-//            1 in place of sqrt(A), and each row adds its share of the sky
-// twin       HMatrix::leaf in crates/hmatrix/src/hmatrix.rs
+//            1 in place of sqrt(A), and each row adds its share of the sky; what packing took below 0 is 0
+// twin       HMatrix::leaf in crates/hmatrix/src/hmatrix.rs, then not_negative in crates/relight/src/product.rs
 // dispatch   one workgroup for eight rows of a leaf; 32 invocations a row take panels in turn, a quarter of one each
 // units      carried, light W/m; H W/m2, linear RGB
 // layout     leaves: for each its first place and number of rows, then runs of panels: where their codes start, codes
@@ -93,6 +93,7 @@ fn hmatrix_scatter(
         let receiver = receivers[own];
         let q = 4u * invocation;
         let y = partial[q] + partial[q + 1u] + (partial[q + 2u] + partial[q + 3u]);
-        irradiance[own] = vec4(y / receiver.w + receiver.x * params.sky.xyz, 0.0);
+        let light = select(y, vec3(0.0), y < vec3(0.0));
+        irradiance[own] = vec4(light / receiver.w + receiver.x * params.sky.xyz, 0.0);
     }
 }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Numbers, Room, cornell, diagonal_operator, gpu, room, wall};
+use common::{Numbers, Room, cornell, diagonal_operator, gpu, off, room, wall};
 use gpu_runtime::{Clock, Gpu, GpuRuntime, Params};
 use hmatrix::{HMatrix, compress};
 use radfile::{Operator, Patches, Quiet};
@@ -61,14 +61,6 @@ fn decoded(matrix: &HMatrix, x: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let entry = |c: usize, at: usize| dense[c.min(dense.len() - 1)][at];
     let dot = |i: usize, c: usize| (0..n).map(|j| entry(c, i * n + j) * f64::from(x[j][c])).sum::<f64>() as f32;
     (0..n).map(|i| std::array::from_fn(|c| dot(i, c))).collect()
-}
-
-/// The largest difference, relative to the mean of `truth`.
-fn off(found: &[[f32; 3]], truth: &[[f32; 3]]) -> f32 {
-    assert_eq!(found.len(), truth.len());
-    let pairs = found.as_flattened().iter().zip(truth.as_flattened());
-    let mean = truth.as_flattened().iter().sum::<f32>() / (3 * truth.len()) as f32;
-    pairs.map(|(f, t)| (f - t).abs()).fold(0.0, f32::max) / mean
 }
 
 /// Sums of a few hundred terms in single precision: 1e-5 is a hundred units in the last place.

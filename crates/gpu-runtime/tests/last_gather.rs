@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{cornell, gpu};
+use common::{cornell, gpu, off};
 use gpu_runtime::{Error, LastGather};
 use hmatrix::{LANES, Params, Receivers, Rectangle, Row, compress_rows};
 use radfile::Quiet;
@@ -42,24 +42,17 @@ fn sky(m: usize) -> Vec<f32> {
     (0..m).map(|i| 0.1 * noise(i + 7)).collect()
 }
 
-/// What is received by the definition, in double precision, and by the CPU's product.
+/// What is received by the definition, in double precision, and by the CPU's product; what packing took below 0 is 0.
 fn expected(rows: &Rectangle, sent: &[[f32; 3]], sky: &[f32], radiance: [f32; 3]) -> [Vec<[f32; 3]>; 2] {
     let (n, dense) = (sent.len(), rows.decode().expect("own bytes"));
     let mut product = vec![[0.0; 3]; rows.receivers()];
     rows.multiply(sent, &mut product, &mut rows.workspace());
     let from_sky = |i: usize, c: usize| std::f32::consts::PI * radiance[c] * sky[i];
     let dot = |i: usize, c: usize| (0..n).map(|j| dense[i * n + j] * f64::from(sent[j][c])).sum::<f64>() as f32;
-    let decoded = (0..sky.len()).map(|i| std::array::from_fn(|c| dot(i, c) + from_sky(i, c))).collect();
-    let cpu = product.iter().enumerate().map(|(i, y)| std::array::from_fn(|c| y[c] + from_sky(i, c))).collect();
+    let decoded = (0..sky.len()).map(|i| std::array::from_fn(|c| dot(i, c).max(0.0) + from_sky(i, c))).collect();
+    let cpu =
+        product.iter().enumerate().map(|(i, y)| std::array::from_fn(|c| y[c].max(0.0) + from_sky(i, c))).collect();
     [decoded, cpu]
-}
-
-/// The largest difference, relative to the mean of `truth`.
-fn off(found: &[[f32; 3]], truth: &[[f32; 3]]) -> f32 {
-    assert_eq!(found.len(), truth.len());
-    let pairs = found.as_flattened().iter().zip(truth.as_flattened());
-    let mean = truth.as_flattened().iter().sum::<f32>() / (3 * truth.len()) as f32;
-    pairs.map(|(f, t)| (f - t).abs()).fold(0.0, f32::max) / mean
 }
 
 /// Many more receivers than senders, as many, fewer, and one wall's worth.
@@ -93,6 +86,24 @@ fn receivers_get_what_the_cpu_and_the_decoded_rows_give_them() {
             assert!(close(y[0], pi * share) && y[1] == 0.0 && close(y[2], 2.0 * pi * share), "{y:?} of {share}");
         }
     }
+}
+
+/// One sender is lit, so that most receivers have little; coarse rows take more than there is from some.
+#[test]
+fn no_receiver_has_light_below_0() {
+    let Some(gpu) = gpu() else { return };
+    let rows = packed(17, 9, 5, &Params::error(0.3));
+    let (n, m) = (rows.senders(), rows.receivers());
+    let gather = LastGather::new(&gpu, &rows, &vec![0.0; m]).expect("it fits");
+    let below = |lit: usize| {
+        let sent: Vec<[f32; 3]> = (0..n).map(|i| [f32::from(u8::from(i == lit)); 3]).collect();
+        let mut product = vec![[0.0; 3]; m];
+        rows.multiply(&sent, &mut product, &mut rows.workspace());
+        product.as_flattened().iter().any(|e| *e < 0.0).then_some(sent)
+    };
+    let sent = (0..n).find_map(below).expect("the CPU's product is below 0 somewhere, or this shows nothing");
+    let found = gather.receive(&sent, [0.0; 3]).unwrap();
+    assert!(found.as_flattened().iter().all(|e| *e >= 0.0), "{found:?}");
 }
 
 /// All kinds of blocks have been multiplied with above, or the test has seen little.

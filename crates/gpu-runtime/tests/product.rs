@@ -46,12 +46,6 @@ fn exact(room: &Room, h0: &[[f32; 3]], matrix: impl Fn(usize) -> Vec<f32>) -> Ve
     h
 }
 
-fn largest_difference(found: &[[f32; 3]], truth: &[[f32; 3]]) -> f32 {
-    let pairs = found.as_flattened().iter().zip(truth.as_flattened());
-    let mean = truth.as_flattened().iter().sum::<f32>() / (3 * truth.len()) as f32;
-    pairs.map(|(f, t)| (f - t).abs()).fold(0.0, f32::max) / mean
-}
-
 /// Random blocks; BC1 only in the mode with four colours. Every row has outliers, some of them negative.
 fn random_operator(n: u32, channels: u32, format: BlockFormat, map: ValueMap) -> PackedOperator<'static> {
     let mut packed = empty_operator(n, channels, format, map);
@@ -113,12 +107,12 @@ fn half_an_operator_and_its_colour_give_the_exact_product() {
         let mut grey = packed.clone();
         grey.half = Some(Colour::default());
         let without = exact(&room, &h0, |c| grey.decode(c));
-        assert!(largest_difference(&without, &truth) > 0.05, "the colour is to be seen");
+        assert!(common::off(&without, &truth) > 0.05, "the colour is to be seen");
         let found = runtime(&gpu, &room, &packed, Decode::Stored).patch_indirect(&h0).unwrap();
-        let off = largest_difference(&found, &truth);
+        let off = common::off(&found, &truth);
         assert!(off < 1e-5, "{n} {map:?}: {off:e}");
         let found = runtime(&gpu, &room, &grey, Decode::Stored).patch_indirect(&h0).unwrap();
-        let off = largest_difference(&found, &without);
+        let off = common::off(&found, &without);
         assert!(off < 1e-5, "{n} {map:?} without colour: {off:e}");
     }
 }
@@ -134,7 +128,7 @@ fn the_sampler_finds_every_block_of_half_an_operator() {
             *block = (bits & 0o1111_1111_1111_1111 << 16 | bits & 0xffff).to_le_bytes();
         }
         let found = runtime(&gpu, &room, &packed, Decode::Sampled).patch_indirect(&h0).unwrap();
-        let off = largest_difference(&found, &exact(&room, &h0, |c| packed.decode(c)));
+        let off = common::off(&found, &exact(&room, &h0, |c| packed.decode(c)));
         assert!(off < 2e-5, "{n}: {off:e}");
     }
 }
@@ -163,7 +157,7 @@ fn blocks_decoded_by_the_kernel_give_the_exact_product() {
     for (channels, format, map) in KINDS {
         let packed = random_operator(n, channels, format, map);
         let found = runtime(&gpu, &room, &packed, Decode::Stored).patch_indirect(&h0).unwrap();
-        let off = largest_difference(&found, &exact(&room, &h0, |c| packed.decode(c)));
+        let off = common::off(&found, &exact(&room, &h0, |c| packed.decode(c)));
         assert!(off < 1e-5, "{channels} {format:?} {map:?}: {off:e}");
     }
 }
@@ -216,7 +210,7 @@ fn blocks_of_ends_only_are_exact_through_the_sampler() {
             *block = (bits & 0o1111_1111_1111_1111 << 16 | bits & 0xffff).to_le_bytes();
         }
         let found = runtime(&gpu, &room, &packed, Decode::Sampled).patch_indirect(&h0).unwrap();
-        let off = largest_difference(&found, &exact(&room, &h0, |c| packed.decode(c)));
+        let off = common::off(&found, &exact(&room, &h0, |c| packed.decode(c)));
         assert!(off < 1e-5, "{map:?}: {off:e}");
     }
 }
@@ -230,7 +224,7 @@ fn an_operator_of_several_tiles_multiplies_like_one() {
     let truth = exact(&room, &h0, |c| packed.decode(c));
     for (decode, tolerance) in [(Decode::Stored, 1e-5), (Decode::Sampled, 0.01)] {
         let found = runtime(&gpu, &room, &packed, decode).patch_indirect(&h0).unwrap();
-        let off = largest_difference(&found, &truth);
+        let off = common::off(&found, &truth);
         assert!(off < tolerance, "{decode:?}: {off:e}");
     }
 }

@@ -28,7 +28,7 @@ impl<'a> Bounces<'a> {
         Bounces { operator, patches, root, sent: zero.clone(), received: zero, workspace: operator.workspace() }
     }
 
-    /// H_ind, W/m², of the direct irradiance `direct`.
+    /// H_ind, W/m², of the direct irradiance `direct`; nowhere below 0.
     ///
     /// # Panics
     ///
@@ -41,10 +41,16 @@ impl<'a> Bounces<'a> {
         }
         self.operator.multiply(reflectance, &self.sent, &mut self.received, &mut self.workspace);
         for (h, root) in self.received.iter_mut().zip(&self.root) {
-            *h = h.map(|v| v / root);
+            *h = h.map(|v| not_negative(v / root));
         }
         &self.received
     }
+}
+
+/// Irradiance that packed numbers give: their errors have either sign, and where it is all but dark they may take more than
+/// there is. What is no number stays so.
+pub(crate) fn not_negative(irradiance: f32) -> f32 {
+    if irradiance < 0.0 { 0.0 } else { irradiance }
 }
 
 /// Indirect irradiance of the patches in one frame, W/m², from their direct irradiance.

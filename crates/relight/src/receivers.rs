@@ -7,6 +7,7 @@ use crate::{
     Relighter,
     error::{Error, Result},
     points::radiosity,
+    product::not_negative,
     relighter::Frame,
 };
 
@@ -84,7 +85,7 @@ impl<'a> Receivers<'a> {
         }
     }
 
-    /// Indirect irradiance of the receivers, W/m².
+    /// Indirect irradiance of the receivers, W/m², nowhere below 0.
     ///
     /// # Panics
     ///
@@ -96,6 +97,7 @@ impl<'a> Receivers<'a> {
             Receivers::Gathered { rows, .. } => {
                 let mut light = vec![[0.0; 3]; self.len()];
                 rows.multiply(&radiosity(bake.elements(), frame), &mut light, &mut rows.workspace());
+                light.as_flattened_mut().iter_mut().for_each(|e| *e = not_negative(*e));
                 light
             }
         }

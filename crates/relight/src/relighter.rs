@@ -92,9 +92,8 @@ impl<'a> Relighter<'a> {
     /// Direct irradiance H⁰ of the elements, W/m².
     pub fn element_light(&self, light: &DirectLight, samples: &PatchSamples, progress: &dyn Progress) -> Vec<[f32; 3]> {
         let drawn = || ElementPoints::new(&self.scene.mesh, self.patches, self.elements, samples.points);
-        let light_at = |points: &ElementPoints| {
-            element_irradiance(light, self.elements, points, self.sky, samples.area, progress)
-        };
+        let light_at =
+            |points: &ElementPoints| element_irradiance(light, self.elements, points, self.sky, samples.area, progress);
         self.points.as_ref().map_or_else(|| light_at(&drawn()), light_at)
     }
 

@@ -30,8 +30,7 @@ fn noise(n: u32, channels: u32, format: BlockFormat, map: ValueMap) -> PackedOpe
 }
 
 fn frame(cube: &Cube, rays: &Rays, rig: &LightRig) -> Frame {
-    let bake =
-        Relighter::new(&cube.scene, rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).unwrap();
+    let bake = cube.relighter(rays);
     bake.frame(&bake.direct_light(rig), &PatchSamples::default(), &Quiet)
 }
 
@@ -72,8 +71,7 @@ fn the_first_bounces_are_their_share_of_all() {
 fn points_in_a_furnace_have_the_light_of_the_furnace() {
     let cube = cube(2, 0.5, 1.0);
     let rays = Rays::new(&cube.scene.mesh);
-    let bake =
-        Relighter::new(&cube.scene, &rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).unwrap();
+    let bake = cube.relighter(&rays);
     let light = bake.direct_light(&emission());
     let frame = bake.frame(&light, &PatchSamples::default(), &Quiet);
     let points =
@@ -88,14 +86,18 @@ fn points_in_a_furnace_have_the_light_of_the_furnace() {
     }
 }
 
+/// What a camera inside the cube takes.
 fn picture(cube: &Cube, rig: &LightRig, look: &Look) -> Image {
+    let camera = Camera { origin: [0.1, 0.2, 0.3], target: [0.9, 0.8, 0.6], up: [0.0, 1.0, 0.0], fov_x_deg: 90.0 };
+    taken_by(&camera, cube, rig, look)
+}
+
+fn taken_by(camera: &Camera, cube: &Cube, rig: &LightRig, look: &Look) -> Image {
     let rays = Rays::new(&cube.scene.mesh);
-    let bake =
-        Relighter::new(&cube.scene, &rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).unwrap();
+    let bake = cube.relighter(&rays);
     let light = bake.direct_light(rig);
     let frame = bake.frame(&light, &PatchSamples::default(), &Quiet);
     let (transfer, rows) = corners_receive(&cube.scene.mesh);
-    let camera = Camera { origin: [0.1, 0.2, 0.3], target: [0.9, 0.8, 0.6], up: [0.0, 1.0, 0.0], fov_x_deg: 90.0 };
     render(
         &Shown {
             bake: &bake,
@@ -104,7 +106,7 @@ fn picture(cube: &Cube, rig: &LightRig, look: &Look) -> Image {
             light: &light,
             frame: &frame,
         },
-        &camera,
+        camera,
         look,
         &Quiet,
     )
@@ -142,25 +144,9 @@ fn direct_and_indirect_pictures_add_up_to_the_whole() {
 fn a_camera_outside_sees_the_sky_around_the_cube() {
     let mut cube = cube(2, 0.5, 0.0);
     cube.scene.mesh.one_sided = true;
-    let rays = Rays::new(&cube.scene.mesh);
-    let bake =
-        Relighter::new(&cube.scene, &rays, &cube.patches, &cube.elements, &cube.operator, &cube.factors.sky).unwrap();
-    let light = bake.direct_light(&rig(r#"{"type":"sky","radiance":[3,4,5]}"#));
-    let frame = bake.frame(&light, &PatchSamples::default(), &Quiet);
-    let (transfer, rows) = corners_receive(&cube.scene.mesh);
     let camera = Camera { origin: [0.5, 0.5, 3.0], target: [0.5, 0.5, 0.0], up: [0.0, 1.0, 0.0], fov_x_deg: 90.0 };
-    let image = render(
-        &Shown {
-            bake: &bake,
-            transfer: &transfer,
-            receivers: &Receivers::Interpolated(&rows),
-            light: &light,
-            frame: &frame,
-        },
-        &camera,
-        &Look { width: 9, height: 9, ..small(Parts::All) },
-        &Quiet,
-    );
+    let sky = rig(r#"{"type":"sky","radiance":[3,4,5]}"#);
+    let image = taken_by(&camera, &cube, &sky, &Look { width: 9, height: 9, ..small(Parts::All) });
     assert_eq!(image.pixels[0], [3.0, 4.0, 5.0], "past the cube");
     assert_eq!(image.pixels[40], [0.0; 3], "the outside of one-sided walls is black");
 }
@@ -228,9 +214,7 @@ fn parts_of_different_bakes_are_refused() {
     assert_eq!(text, "the packed operator is for 24 patches, the bake has 6; bake the scene again");
     let text = refused(&small.operator, &large.factors.sky);
     assert_eq!(text, "the sky visibility is for 24 patches, the bake has 6; bake the scene again");
-    let bake =
-        Relighter::new(&small.scene, &rays, &small.patches, &small.elements, &small.operator, &small.factors.sky)
-            .unwrap();
+    let bake = small.relighter(&rays);
     let light = bake.direct_light(&rig(""));
     let text = bake.frame_of_bounces(&light, &large.factors, 2, &PatchSamples::default(), &Quiet).unwrap_err();
     assert_eq!(text.to_string(), "the form-factor matrix is for 24 patches, the bake has 6; bake the scene again");

@@ -233,3 +233,11 @@ pub fn difference(found: &[[f32; 3]], truth: &[[f32; 3]]) -> (f64, f64) {
     let off = || found.iter().zip(truth).map(|(&f, &t)| f64::from(f) - f64::from(t));
     (off().sum::<f64>() / count / mean, (off().map(|d| d * d).sum::<f64>() / count).sqrt() / mean)
 }
+
+/// The largest difference, relative to the mean of `truth`.
+pub fn off(found: &[[f32; 3]], truth: &[[f32; 3]]) -> f32 {
+    assert_eq!(found.len(), truth.len());
+    let pairs = found.as_flattened().iter().zip(truth.as_flattened());
+    let mean = truth.as_flattened().iter().sum::<f32>() / (3 * truth.len()) as f32;
+    pairs.map(|(f, t)| (f - t).abs()).fold(0.0, f32::max) / mean
+}

@@ -11,7 +11,7 @@ use radfile::{
     BlockFormat, Elements, FineMesh, FormFactors, Material, Materials, Mesh, NO_RECEIVER, PackedOperator, Packing,
     Patches, Rows, Transfer, ValueMap,
 };
-use relight::Operator;
+use relight::{Operator, Relighter};
 use scene::{LightRig, Rays, Scene, Sobol, SurfacePoint, Surfaces, cosine_direction};
 
 /// One material for everything.
@@ -67,6 +67,15 @@ pub struct Cube {
     pub operator: Operator<'static>,
 }
 
+impl Cube {
+    /// Its parts tied together; `rays` are over its triangles.
+    pub fn relighter<'a>(&'a self, rays: &'a Rays) -> Relighter<'a> {
+        Relighter::new(&self.scene, rays, &self.patches, &self.elements, &self.operator, &self.factors.sky)
+            .expect("parts of one cube")
+    }
+}
+
+/// Every patch reflects and emits alike; `k` patches along an edge.
 pub fn cube(k: usize, reflectance: f32, emission: f32) -> Cube {
     let mut maker = Maker::new(1.0 / k as f32);
     maker.room(Vec3::ZERO, Vec3::ONE, [k; 3]);
