@@ -1,6 +1,9 @@
 //! The path tracer against points that another renderer path-traced, and its subcommand.
 
-use std::path::{Path, PathBuf};
+#[path = "../../crates/scene/tests/disk/mod.rs"]
+mod disk;
+
+use std::path::Path;
 
 use allbounce_tests::{
     asset,
@@ -8,9 +11,10 @@ use allbounce_tests::{
     reference::{Table, shared},
     text,
 };
+use disk::Disk;
 use radfile::Quiet;
 use reference::{PathTracer, Sampling, Stop};
-use scene::{Folder, ImportOptions, LightRig, Rays, Scene, Surfaces};
+use scene::{ImportOptions, LightRig, Rays, Scene, Surfaces};
 
 /// Both renderers raise points off their surfaces, by different gaps: exact values differ by about this part.
 const RAISED: f64 = 1e-3;
@@ -53,18 +57,6 @@ struct Agreement {
     bias: f64,
     /// Standard error of that.
     bias_error: f64,
-}
-
-struct Disk(PathBuf);
-
-impl Folder for Disk {
-    fn read(&self, name: &str) -> std::io::Result<Vec<u8>> {
-        std::fs::read(self.0.join(name))
-    }
-
-    fn list(&self, _folder: &str) -> Vec<String> {
-        vec![]
-    }
 }
 
 fn load(path: &Path, upside_down: bool) -> Scene {

@@ -3,29 +3,15 @@
 //!
 //! `cargo run --release -p lightmap --example charts -- SCENE OUT.png [texels=65536] [fast] [own]`
 
-use std::{
-    error::Error,
-    path::{Path, PathBuf},
-    time::Instant,
-};
+#[path = "../../scene/tests/disk/mod.rs"]
+mod disk;
 
+use std::{error::Error, path::Path, time::Instant};
+
+use disk::Disk;
 use lightmap::{Atlas, Size, UnwrapParams, texels, unwrap};
 use radfile::{Lightmap, NO_RECEIVER, Quiet};
-use scene::{Folder, ImportOptions, Rays, hash, import};
-
-/// A folder on disk.
-struct Disk(PathBuf);
-
-impl Folder for Disk {
-    fn read(&self, name: &str) -> std::io::Result<Vec<u8>> {
-        std::fs::read(self.0.join(name))
-    }
-
-    fn list(&self, folder: &str) -> Vec<String> {
-        let entries = std::fs::read_dir(self.0.join(folder)).into_iter().flatten().flatten();
-        entries.filter_map(|e| e.file_name().into_string().ok()).collect()
-    }
-}
+use scene::{ImportOptions, Rays, hash, import};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();

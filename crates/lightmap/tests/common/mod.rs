@@ -1,15 +1,16 @@
 //! What the tests share: meshes made of quads, scene files, and readers of a lightmap.
 #![allow(dead_code)] // each test program uses its part
 
-use std::{
-    io::Write,
-    path::{Path, PathBuf},
-};
+#[path = "../../../scene/tests/disk/mod.rs"]
+mod disk;
 
+use std::{io::Write, path::Path};
+
+use disk::Disk;
 use glam::Vec3;
 use lightmap::{Atlas, Report, Size, UnwrapParams, texels, unwrap};
 use radfile::{Lightmap, Mesh, Quiet};
-use scene::{Folder, ImportOptions, Rays, import};
+use scene::{ImportOptions, Rays, import};
 
 /// Adds a quad, counter-clockwise seen from its front.
 pub fn quad(mesh: &mut Mesh, corners: [[f32; 3]; 4]) {
@@ -47,20 +48,6 @@ pub fn room() -> Mesh {
     let mut mesh = Mesh::default();
     cuboid(&mut mesh, [0.0; 3], [4.0, 4.0, 3.0], false, ALL);
     mesh
-}
-
-/// A folder on disk.
-struct Disk(PathBuf);
-
-impl Folder for Disk {
-    fn read(&self, name: &str) -> std::io::Result<Vec<u8>> {
-        std::fs::read(self.0.join(name))
-    }
-
-    fn list(&self, folder: &str) -> Vec<String> {
-        let entries = std::fs::read_dir(self.0.join(folder)).into_iter().flatten().flatten();
-        entries.filter_map(|e| e.file_name().into_string().ok()).collect()
-    }
 }
 
 /// A scene file below the root of the workspace; `None`, with a printed reason, where it is not there.

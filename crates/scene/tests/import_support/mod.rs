@@ -1,11 +1,15 @@
 //! What the import tests share: folders in memory and on disk, small images and glTF files made on the spot.
 #![allow(dead_code)] // each test program uses its part
 
+#[path = "../disk/mod.rs"]
+mod disk;
+
 use std::{
     io::Write,
     path::{Path, PathBuf},
 };
 
+use disk::Disk;
 use scene::{Folder, ImportOptions, ImportReport, Scene, import};
 use serde_json::{Value, json};
 
@@ -34,20 +38,6 @@ impl Folder for Memory {
         let prefix = if folder.is_empty() { String::new() } else { format!("{folder}/") };
         let inside = self.0.iter().filter_map(|(n, _)| n.strip_prefix(prefix.as_str()));
         inside.filter_map(|n| n.split('/').next()).map(str::to_owned).collect()
-    }
-}
-
-/// A folder on disk.
-pub struct Disk(PathBuf);
-
-impl Folder for Disk {
-    fn read(&self, name: &str) -> std::io::Result<Vec<u8>> {
-        std::fs::read(self.0.join(name))
-    }
-
-    fn list(&self, folder: &str) -> Vec<String> {
-        let entries = std::fs::read_dir(self.0.join(folder)).into_iter().flatten().flatten();
-        entries.filter_map(|e| e.file_name().into_string().ok()).collect()
     }
 }
 
