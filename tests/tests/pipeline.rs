@@ -7,11 +7,11 @@ use std::{
 
 use allbounce_tests::{
     asset,
-    program::{allbounce, program},
+    program::{allbounce, answered, program},
     reference::Table,
     root, text,
 };
-use radfile::Container;
+use radfile::{Container, Patches, Record};
 
 /// Stages between the first and the last, for each way to pack the operator.
 const HIERARCHICAL: [&str; 5] = ["formfactor", "series", "permute", "hmatrix", "transfer"];
@@ -153,6 +153,42 @@ fn exactly_the_first_bounces_are_summed_where_the_bake_keeps_form_factors() {
     let all = Table::read(&out).grey("indirect")[0];
     assert!((many / all - 1.0).abs() < 0.03, "60 bounces give {many}, all of them through the packed operator {all}");
     relight(&dropped, "2").refused(&["--bounces", "--keep-dense"]);
+}
+
+/// The pilot of a scene, and patches made by it: no more than were asked for, the same for any number of threads, and
+/// not by a pilot of another scene.
+#[test]
+fn adaptive_patches_stay_within_their_number_and_belong_to_their_pilot() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| text(&folder.path().join(name));
+    let (cornell, pilot) = (asset("cornell/cornell.obj"), file("pilot.rad"));
+    allbounce(["voxel-simplify", &cornell, "-o", &file("1.rad"), "--patches", "150", "-q"]).done();
+    allbounce(["formfactor", &file("1.rad"), "-o", &file("2.rad"), "--rays", "256", "-q"]).done();
+    allbounce(["series", &file("2.rad"), "-o", &pilot, "-q"]).done();
+    let made = |scene: &str, threads: &str| {
+        let out = file(&format!("adaptive{threads}.rad"));
+        let args = ["voxel-simplify", scene, "--adaptive", &pilot, "-o", &out, "--patches", "300", "-q"];
+        (answered(Command::new(program()).args(args).env("RAYON_NUM_THREADS", threads)), out)
+    };
+    let [one, two] = ["1", "2"].map(|threads| {
+        let (run, out) = made(&cornell, threads);
+        run.done();
+        out
+    });
+    let [a, b] = [&one, &two].map(|path| std::fs::read(path).expect("bytes"));
+    assert!(a == b, "1 and 2 threads differ");
+    let container = Container::open(Path::new(&one)).expect("a container");
+    let patches = Patches::read(&container).expect("patches").len();
+    assert!((200..=300).contains(&patches), "{patches} patches of 300");
+    made(&asset("apartment/apartment.obj"), "3").0.refused(&["the pilot was made of another mesh"]);
+    assert!(!folder.path().join("adaptive3.rad").exists(), "nothing is left behind");
+
+    let baked = bake(folder.path(), &["--adaptive"]);
+    let container = Container::open(&baked).expect("a container");
+    let patches = Patches::read(&container).expect("patches").len();
+    assert!((200..=300).contains(&patches), "{patches} patches of 300");
+    let again = std::fs::read(&baked).expect("bytes");
+    assert!(std::fs::read(bake(folder.path(), &["--adaptive", "--threads", "1"])).expect("bytes") == again);
 }
 
 #[test]
