@@ -129,19 +129,10 @@ pub fn pack(
     Ok((Gathered { certificate, stream: packed.to_bytes().to_vec(), sky }, report))
 }
 
-/// The part of each point's rays that meets a patch or the sky: the others land on sides that no light reaches.
-pub fn seen(senders: &Senders, points: &[SurfacePoint], params: &GatherParams, progress: &dyn Progress) -> Vec<f32> {
-    let (rows, sky) = form_factors(senders, points, params, progress);
-    (0..rows.len()).map(|r| met(&rows, &sky, r)).collect()
-}
-
-fn met(rows: &Rows, sky: &[f32], row: usize) -> f32 {
-    sky[row] + rows.row(row).map(|(_, share)| share).sum::<f32>()
-}
-
 /// Receivers whose rays hardly meet a patch or the sky: they lie inside of something, which no light enters.
 fn buried(rows: &Rows, sky: &[f32]) -> Vec<u32> {
-    (0..rows.len()).filter(|&r| met(rows, sky, r) < BURIED).map(|r| r as u32).collect()
+    let met = |r: usize| sky[r] + rows.row(r).map(|(_, share)| share).sum::<f32>();
+    (0..rows.len()).filter(|&r| met(r) < BURIED).map(|r| r as u32).collect()
 }
 
 /// The middle of the points of each element.

@@ -20,6 +20,7 @@ mod error;
 mod fit;
 mod gather;
 mod neighbours;
+mod open_air;
 mod points;
 mod receivers;
 mod report;

@@ -1,18 +1,19 @@
 //! The probes of an irradiance volume, and what they gather.
 //!
 //! The bounding box of the scene is cut into equal cells with a probe in the middle of each. A probe inside or behind
-//! geometry would be dark, and a filter would carry its darkness into the open; it is left out, and its cell shows a
-//! probe nearby (`spread.rs`).
+//! geometry would be dark, and a filter would carry its darkness into the open; it is left out (`open_air.rs`), and its
+//! cell shows a probe nearby (`spread.rs`).
 
 use glam::Vec3;
 use radfile::{Gathered, LARGEST_VOLUME, Mesh, Progress, Volume};
 use scene::{NO_TRIANGLE, Rays, SurfacePoint};
 
 use crate::{
-    Error, GatherParams, Params, Result, Senders,
-    gather::{pack, seen},
+    Error, Params, Result, Senders,
+    gather::pack,
+    open_air::open_air,
     report,
-    spread::{NO_PROBE, spread},
+    spread::{NONE, spread},
 };
 
 /// How fine an irradiance volume is.
@@ -30,11 +31,6 @@ impl Default for VolumeParams {
     }
 }
 
-/// A probe of which less than this share of the rays meets a patch or the sky lies inside of something, or behind it:
-/// Majercik et al., Dynamic Diffuse Global Illumination, 2019, §4.1, take a quarter of back faces as well.
-const OPEN: f32 = 0.75;
-/// Rays of each direction that tell.
-const TELLING: u32 = 64;
 /// Walls like to stand in the middle between others, where a probe would lie on them: probes are moved off the middle of
 /// their cells by this share of the edges.
 const ASIDE: Vec3 = Vec3::new(0.011, 0.017, 0.013);
@@ -79,7 +75,7 @@ pub fn cells(mesh: &Mesh, wanted: &VolumeParams) -> Result<Volume> {
 ///
 /// # Errors
 ///
-/// What [`cells`] refuses, [`Error::NoProbe`], [`Error::Packing`].
+/// [`Error::Spacing`], [`Error::TooManyCells`], [`Error::NoProbe`], [`Error::Packing`].
 pub fn volume(
     mesh: &Mesh,
     senders: &Senders,
@@ -89,10 +85,8 @@ pub fn volume(
 ) -> Result<(Volume, Gathered, report::Volume)> {
     let mut volume = cells(mesh, wanted)?;
     let places: Vec<Vec3> = (0..volume.cells()).map(|cell| place(&volume, cell)).collect();
-    let telling = GatherParams { rays: TELLING, ..params.gather };
-    let seen = seen(senders, &points(&places), &telling, progress);
-    let open = |cell: &usize| seen.as_chunks::<6>().0[*cell].iter().sum::<f32>() >= 6.0 * OPEN;
-    volume.cell = (0..volume.cells()).filter(open).map(|cell| cell as u32).collect();
+    let open = open_air(volume.count, &places, senders, params.gather.seed);
+    volume.cell = (0..volume.cells()).filter(|&cell| open[cell]).map(|cell| cell as u32).collect();
     if volume.cell.is_empty() {
         return Err(Error::NoProbe { cells: volume.cells() });
     }
@@ -125,13 +119,13 @@ fn points(places: &[Vec3]) -> Vec<SurfacePoint> {
 /// For every cell the probe whose light it shows: its own; one whose light leaves the solid that the place lies in by the
 /// straight way; or any. Of those the one that is the fewest cells away.
 fn shown(volume: &Volume, rays: &Rays, places: &[Vec3]) -> Vec<u32> {
-    let mut probe = vec![NO_PROBE; volume.cells()];
+    let mut probe = vec![NONE; volume.cells()];
     for (number, &cell) in volume.cell.iter().enumerate() {
         probe[cell as usize] = number as u32;
     }
     let of = |probe: u32| Vec3::from(volume.position[probe as usize]);
-    spread(volume.count, &mut probe, |cell, probe| one_surface_at_most(rays, of(probe), places[cell]));
-    spread(volume.count, &mut probe, |_, _| true);
+    spread(volume.count, &mut probe, |cell, _, probe| one_surface_at_most(rays, of(probe), places[cell]));
+    spread(volume.count, &mut probe, |_, _, _| true);
     probe
 }
 

@@ -40,12 +40,12 @@ fn light(gathered: &Gathered, radiosity: impl Iterator<Item = f32>) -> Vec<[f32;
     light.as_chunks::<6>().0.iter().map(|six| six.map(|e| e[0])).collect()
 }
 
-/// The outside of a box.
-fn solid(maker: &mut Maker, low: Vec3, size: Vec3, count: usize) {
+/// A box with patches on the given sides of its walls; their fronts are outside.
+fn solid(maker: &mut Maker, low: Vec3, size: Vec3, count: usize, sides: &[Side]) {
     let [x, y, z] = [Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z];
     let sheets = [(low, x, z), (low + y, z, x), (low, y, x), (low + z, x, y), (low, z, y), (low + x, y, z)];
     for (corner, u, v) in sheets {
-        maker.sheet(corner, u, v, [count; 2], &[Side::Front]);
+        maker.sheet(corner, u, v, [count; 2], sides);
     }
 }
 
@@ -119,12 +119,18 @@ fn probes_of_a_dark_room_beside_a_bright_one_are_exactly_dark() {
 /// from which no cell of the box may be filled though it is as near.
 #[test]
 fn probes_within_a_standing_box_are_left_out_and_filled_from_the_room_it_stands_in() {
+    for sides in [&[Side::Front][..], &[Side::Front, Side::Back]] {
+        a_box_stands_in_a_room(sides);
+    }
+}
+
+fn a_box_stands_in_a_room(sides: &[Side]) {
     let mut maker = Maker::new(0.5);
     maker.room(Vec3::ZERO, Vec3::splat(3.0), [2; 3]);
     maker.room(Vec3::X * 3.0, Vec3::new(1.0, 3.0, 3.0), [2; 3]);
     let dark_from = maker.patches.len() / 2;
     let [low, size] = [Vec3::new(1.95, 0.0, 0.95), Vec3::new(1.04, 1.1, 1.1)];
-    solid(&mut maker, low, size, 2);
+    solid(&mut maker, low, size, 2, sides);
     let (mesh, patches) = maker.finish();
     let (probes, gathered) = made(&mesh, &patches, &every(0.5)).expect("a room");
     let high = low + size;
@@ -142,11 +148,34 @@ fn probes_within_a_standing_box_are_left_out_and_filled_from_the_room_it_stands_
     }
 }
 
+/// Two sheets stand in a corner of a room and show their backs to it; all of the room is in the open for all that.
+#[test]
+fn probes_behind_back_sides_that_have_patches_are_in_the_open() {
+    let mut maker = Maker::new(0.5);
+    maker.room(Vec3::ZERO, Vec3::splat(2.0), [2; 3]);
+    let both = &[Side::Front, Side::Back];
+    maker.sheet(Vec3::X * 0.4, Vec3::Y * 2.0, Vec3::Z * 1.6, [2; 2], both);
+    maker.sheet(Vec3::new(0.4, 0.0, 1.6), Vec3::Y * 2.0, Vec3::X * 1.2, [2; 2], both);
+    let (mesh, patches) = maker.finish();
+    let (probes, _) = made(&mesh, &patches, &every(0.25)).expect("a room");
+    assert_eq!((probes.cells(), probes.probes()), (512, 512));
+}
+
+/// A room that is wound the wrong way round, as it may be where both sides of surfaces reflect.
+#[test]
+fn a_room_that_is_inside_out_is_a_room() {
+    let mut maker = Maker::new(0.5);
+    solid(&mut maker, Vec3::ZERO, Vec3::ONE, 2, &[Side::Front, Side::Back]);
+    let (mesh, patches) = maker.finish();
+    let (probes, _) = made(&mesh, &patches, &every(0.5)).expect("a room");
+    assert_eq!(probes.probes(), 8);
+}
+
 #[test]
 fn packed_probes_get_the_light_of_the_same_points_unpacked() {
     let mut maker = Maker::new(0.25);
     maker.room(Vec3::ZERO, Vec3::new(1.0, 0.8, 1.2), [4; 3]);
-    solid(&mut maker, Vec3::new(0.3, 0.0, 0.4), Vec3::splat(0.3), 2);
+    solid(&mut maker, Vec3::new(0.3, 0.0, 0.4), Vec3::splat(0.3), 2, &[Side::Front]);
     let (mesh, patches) = maker.finish();
     let (probes, gathered) = made(&mesh, &patches, &every(0.25)).expect("a room");
     let point = |r: usize| SurfacePoint {
@@ -173,7 +202,7 @@ fn packed_probes_get_the_light_of_the_same_points_unpacked() {
 #[test]
 fn what_makes_no_volume_is_refused() {
     let mut maker = Maker::new(0.5);
-    solid(&mut maker, Vec3::ZERO, Vec3::new(4.0, 2.0, 1.0), 1);
+    solid(&mut maker, Vec3::ZERO, Vec3::new(4.0, 2.0, 1.0), 1, &[Side::Front]);
     let (mesh, patches) = maker.finish();
     let said = |wanted: VolumeParams| made(&mesh, &patches, &wanted).expect_err("a refusal").to_string();
     assert!(said(every(0.5)).starts_with("the middles of all 64 cells of the irradiance volume lie inside or behind"));
