@@ -2,16 +2,15 @@
 //!
 //! Drawn from a committed record, as the charts of `operators`.
 
+use std::path::Path;
+
 use plot::{Axis, Chart, Marker, Scale, Series, Stroke, Ticks};
 
 use super::{
     Claim, Figure,
     table::{Agreement, Cell, Column, Table},
 };
-use crate::{
-    bench::{adaptive::Row, record::read},
-    root,
-};
+use crate::bench::{adaptive::Row, record::read};
 
 /// Numbers that are drawn as they were written.
 const AGREEMENT: Agreement = Agreement { factor: 1.0001, floor: 0.0 };
@@ -20,9 +19,13 @@ const AGREEMENT: Agreement = Agreement { factor: 1.0001, floor: 0.0 };
 /// numbers of patches that were tried, on average.
 const FEWER: [(&str, f64); 3] = [("apartment", 1.8), ("cornell", 1.1), ("sponza", 2.0)];
 
-pub fn figure() -> Figure {
-    let rows: Vec<Row> =
-        read(&root().join("bench/record/epyc-2c/2026-11-22-adaptive.csv")).expect("a record of patches");
+/// Of the record that `bench_adaptive` wrote to a file.
+///
+/// # Panics
+///
+/// If it is not there or has other columns: the bench and its charts are of one version.
+pub fn figure(record: &Path) -> Figure {
+    let rows: Vec<Row> = read(record).expect("a record of patches");
     let mut scenes: Vec<&str> = rows.iter().map(|row| &row.scene[..]).collect();
     scenes.dedup();
     let curve = |(k, scene): (usize, &&str)| {

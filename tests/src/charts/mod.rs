@@ -28,6 +28,8 @@ use std::ops::RangeInclusive;
 use plot::{Axis, Chart, Scale, Ticks};
 use table::{Agreement, Table};
 
+use crate::root;
+
 /// How many points a chart gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effort {
@@ -82,6 +84,9 @@ impl Claim {
     }
 }
 
+/// The record of adaptive patches that is shown.
+const ADAPTIVE: &str = "bench/record/epyc-2c/2026-11-22-adaptive.csv";
+
 /// Every figure, in the order of the page.
 pub fn all(effort: Effort) -> Vec<Figure> {
     let [centre, disc] = unnormalised::figures(effort);
@@ -95,7 +100,7 @@ pub fn all(effort: Effort) -> Vec<Figure> {
         condition::figure(effort),
     ];
     figures.extend(operators::figures(&operators::Record::shown()));
-    figures.push(adaptive::figure());
+    figures.push(adaptive::figure(&root().join(ADAPTIVE)));
     figures
 }
 
