@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use radfile::{
     Container, Gathered, HierarchicalOperator, Lightmap, Mesh, PackedOperator, Patches, Provenance, Record, Section,
-    Transfer, Weights,
+    Transfer, Volume, Weights,
 };
 use serde::Serialize;
 
@@ -121,11 +121,13 @@ fn contents(c: &Container) -> anyhow::Result<Vec<String>> {
     }
     if c.has("lightmap.meta") {
         let map = Lightmap::read(c)?;
-        let how = match Gathered::is_in(c, Lightmap::PREFIX) {
-            true => gathered_rows(&Gathered::read(c, Lightmap::PREFIX, map.receivers())?),
-            false => "its form factors were dropped".into(),
-        };
+        let how = optional_rows(c, Lightmap::PREFIX, map.receivers())?;
         lines.push(format!("lightmap: {} × {} texels, {} receivers, {how}", map.width, map.height, map.receivers()));
+    }
+    if c.has("volume.meta") {
+        let volume = Volume::read(c)?;
+        let (how, [x, y, z]) = (optional_rows(c, Volume::PREFIX, volume.receivers())?, volume.count);
+        lines.push(format!("irradiance volume: {x} × {y} × {z} cells, {} probes, {how}", volume.probes()));
     }
     Ok(lines)
 }
@@ -140,6 +142,13 @@ fn patches(p: &Patches) -> String {
         p.pieces.len(),
         p.locator.cell_size
     )
+}
+
+fn optional_rows(c: &Container, prefix: &str, receivers: usize) -> radfile::Result<String> {
+    Ok(match Gathered::is_in(c, prefix) {
+        true => gathered_rows(&Gathered::read(c, prefix, receivers)?),
+        false => "its form factors were dropped".into(),
+    })
 }
 
 fn gathered_rows(g: &Gathered) -> String {

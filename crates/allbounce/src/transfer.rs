@@ -2,14 +2,15 @@
 
 use clap::ValueEnum;
 use radfile::{Container, Progress, Sink, Step};
-use transfer::{GatherParams, LightmapParams};
+use transfer::{GatherParams, LightmapParams, VolumeParams};
 
 use crate::{numbers, stage::Stage};
 
 /// Tessellate the mesh and find, for each vertex and side, how light comes to it.
 ///
 /// Reads scene and patches. Adds the finer mesh, and for each receiver packed form factors of all that it sees, or
-/// normalised weights over patches nearby; a lightmap's texels where asked for.
+/// normalised weights over patches nearby; the texels of a lightmap and the probes of an
+/// irradiance volume where asked for.
 #[derive(clap::Args)]
 pub struct Options {
     /// How light comes to vertices [default: gather; interpolate where the operator holds some bounces only]
@@ -33,6 +34,10 @@ pub struct Options {
     /// Texels around each piece of an unwrapped lightmap that filters may read [default: 2]
     #[arg(long, value_name = "N", requires = "lightmap", value_parser = clap::value_parser!(u32).range(1..=64))]
     lightmap_padding: Option<u32>,
+    /// Make an irradiance volume as well, such as 0.5m: a grid of probes over the scene, at most so far apart, each with the
+    /// irradiance of the six directions along the axes
+    #[arg(long, value_name = "SPACING", value_parser = numbers::metres)]
+    volume: Option<f32>,
 }
 
 /// How light comes to receivers.
@@ -58,7 +63,8 @@ impl Options {
         let gather_error = self.gather_error.unwrap_or(default.gather_error);
         let padding = self.lightmap_padding.unwrap_or(LightmapParams::default().padding);
         let lightmap = self.lightmap.map(|texels| LightmapParams { texels, padding });
-        Ok(transfer::Params { mode, edge: self.edge, gather, gather_error, lightmap, ..default })
+        let volume = self.volume.map(|spacing| VolumeParams { spacing, ..VolumeParams::default() });
+        Ok(transfer::Params { mode, edge: self.edge, gather, gather_error, lightmap, volume, ..default })
     }
 }
 
@@ -73,12 +79,16 @@ impl Stage for Options {
         let error = self.gather_error.map(|error| format!("--gather-error {error}"));
         let lightmap = self.lightmap.map(|texels| format!("--lightmap {texels}"));
         let padding = self.lightmap_padding.map(|texels| format!("--lightmap-padding {texels}"));
-        [mode, edge, rays, error, lightmap, padding].into_iter().flatten().collect::<Vec<_>>().join(" ")
+        let volume = self.volume.map(|spacing| format!("--volume {spacing}m"));
+        [mode, edge, rays, error, lightmap, padding, volume].into_iter().flatten().collect::<Vec<_>>().join(" ")
     }
 
     fn memory(&self, input: &Container) -> anyhow::Result<(u64, &'static str)> {
         let need = transfer::memory_needed(input, &self.params(input)?)?;
-        Ok((need, "take a longer --edge, fewer --gather-rays, a smaller --lightmap, or --mode interpolate"))
+        Ok((
+            need,
+            "take a longer --edge, fewer --gather-rays, a smaller --lightmap, a longer --volume, or --mode interpolate",
+        ))
     }
 
     fn apply(&self, input: &Container, step: Step, p: &dyn Progress, sink: &mut Sink) -> anyhow::Result<Self::Report> {

@@ -1,14 +1,16 @@
 //! `allbounce export`: a frame's light in files that other programs read. One file a format.
 
 mod glb;
+mod ktx2;
 mod lightmap;
 mod surface;
 mod vertex_colours;
+mod volume;
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use radfile::{Gathered, Lightmap, Record};
+use radfile::{Gathered, Lightmap, Record, Volume};
 use relight::{DirectLight, Frame, PatchSamples, PointLight, Receivers, Relighter, Samples};
 use scene::{Rays, SurfacePoint};
 use serde::Serialize;
@@ -20,7 +22,7 @@ use crate::{
     session::Session,
 };
 
-/// Irradiance of one frame as lightmap, vertex colours or table, W/m².
+/// Irradiance of one frame as lightmap, irradiance volume, vertex colours or table, W/m².
 ///
 /// Without a format: all that the bake has. Computed on the CPU. Exit: 0 done, 1 input refused, 2 usage, 3 I/O.
 #[derive(clap::Args)]
@@ -37,6 +39,10 @@ pub struct Args {
     /// scene.glb, the scene with the lightmap's coordinates as its last TEXCOORD; of a bake with --lightmap
     #[arg(long)]
     lightmap: bool,
+    /// volume.ktx2, a texture of Bevy's IrradianceVolume (irradiance over π), volume.raw and volume_sh.raw, ambient cubes and
+    /// linear harmonics (irradiance, f32), and volume.json, which says where they lie; of a bake with --volume
+    #[arg(long)]
+    volume: bool,
     /// vertex_colours.glb: the finer mesh with irradiance as COLOR_0, in parts of `irradiance_of_white` in its extras
     #[arg(long)]
     vertex_colours: bool,
@@ -51,6 +57,8 @@ struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     lightmap: Option<lightmap::Report>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    volume: Option<volume::Report>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     vertex_colours: Option<vertex_colours::Report>,
     #[serde(skip_serializing_if = "Option::is_none")]
     csv_rows: Option<usize>,
@@ -63,13 +71,22 @@ const RECEIVERS: &str = "receivers.csv";
 pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let bake = Bake::open(&args.bake)?;
     let named = || args.bake.display().to_string();
-    let has_lightmap = bake.container.has("lightmap.meta") && Gathered::is_in(&bake.container, Lightmap::PREFIX);
+    let c = &bake.container;
+    let has_lightmap = c.has("lightmap.meta") && Gathered::is_in(c, Lightmap::PREFIX);
     if args.lightmap && !has_lightmap {
         bail!("{}: the bake has no lightmap; bake with --lightmap, or run transfer --lightmap on it", named());
     }
-    let all = !(args.lightmap || args.vertex_colours || args.csv);
+    let has_volume = c.has("volume.meta") && Gathered::is_in(c, Volume::PREFIX);
+    if args.volume && !has_volume {
+        bail!(
+            "{}: the bake has no irradiance volume; bake with --volume 0.5m, or run transfer --volume on it",
+            named()
+        );
+    }
+    let all = !(args.lightmap || args.volume || args.vertex_colours || args.csv);
     let wanted = [
         (args.lightmap || all && has_lightmap, &lightmap::FILES[..]),
+        (args.volume || all && has_volume, &volume::FILES[..]),
         (args.vertex_colours || all, &[vertex_colours::FILE]),
         (args.csv || all, &[RECEIVERS]),
     ];
@@ -84,8 +101,9 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let light = relighter.direct_light(&rig);
     let frame = relighter.frame(&light, &PatchSamples::default(), &session.progress());
     let lit = Lit { bake: &bake, relighter: &relighter, light: &light, frame: &frame, chosen: &args.light, session };
-    let [(lightmap, _), (vertex_colours, _), (csv, _)] = wanted;
+    let [(lightmap, _), (volume, _), (vertex_colours, _), (csv, _)] = wanted;
     let lightmap = lightmap.then(|| lightmap::write(&lit, &args.output)).transpose().with_context(named)?;
+    let volume = volume.then(|| volume::write(&lit, &args.output)).transpose().with_context(named)?;
     let of_vertices = if vertex_colours || csv { Some(lit.vertices().with_context(named)?) } else { None };
     let vertex_colours = match &of_vertices {
         Some(light) if vertex_colours => Some(vertex_colours::write(&lit, light, &args.output)?),
@@ -96,7 +114,8 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
         _ => None,
     };
     let bounces = runtime::bounces_in_words(operator.bounces());
-    let report = Report { bounces, lightmap, vertex_colours, csv_rows, files: names, seconds: session.seconds() };
+    let report =
+        Report { bounces, lightmap, volume, vertex_colours, csv_rows, files: names, seconds: session.seconds() };
     session.print("export", &report)?;
     session.finish(&report)
 }
