@@ -183,3 +183,59 @@ fn inputs_are_not_overwritten_and_what_is_missing_is_said() {
     assert!(run(&["--vertex-colours"]).done().stderr.is_empty());
     assert!(folder.path().join("vertex_colours.glb").exists());
 }
+
+#[test]
+fn textures_are_in_the_file_as_they_were() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [scene, bake, out] = ["room.obj", "bake.rad", "out"].map(|name| folder.path().join(name));
+    let board = image::RgbImage::from_fn(4, 2, |x, y| image::Rgb([40 + 50 * x as u8, 200 - 60 * y as u8, 90]));
+    board.save(folder.path().join("board.png")).expect("a texture");
+    let materials = "newmtl board\nKd 1 1 1\nmap_Kd board.png\nnewmtl plain\nKd 0.5 0.4 0.3\n";
+    std::fs::write(folder.path().join("room.mtl"), materials).expect("a file");
+    // A textured floor below a plain ceiling.
+    let corners = "v 0 0 0\nv 0 0 1\nv 1 0 1\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 1 1 1\nv 0 1 1\n";
+    let coordinates = "vt 0 0\nvt 0 2\nvt 1 2\nvt 1 0\n";
+    let faces = "usemtl board\nf 1/1 2/2 3/3 4/4\nusemtl plain\nf 5/1 6/2 7/3 8/4\n";
+    std::fs::write(&scene, format!("mtllib room.mtl\n{corners}{coordinates}{faces}")).expect("a scene");
+    let size = ["--voxel", "0.5m", "--rays", "256", "--gather-rays", "64", "--lightmap", "100", "-q"];
+    allbounce(["bake", &text(&scene), "-o", &text(&bake)].iter().chain(&size)).done();
+    export(&bake, &out, &["--lightmap"]);
+
+    let container = Container::open(&bake).expect("the bake");
+    let mesh = Mesh::read(&container).expect("mesh");
+    let (document, buffer) = opened(&out.join("scene.glb"));
+    let mut textured = 0;
+    for primitive in document.meshes().flat_map(|m| m.primitives().collect::<Vec<_>>()) {
+        let Some(colour) = primitive.material().pbr_metallic_roughness().base_color_texture() else {
+            assert_eq!(primitive.material().name(), Some("plain"));
+            continue;
+        };
+        assert_eq!(primitive.material().name(), Some("board"));
+        let gltf::image::Source::View { view, mime_type } = colour.texture().source().source() else {
+            panic!("the image is not in the file")
+        };
+        assert_eq!(mime_type, "image/png");
+        let bytes = &buffer[view.offset()..][..view.length()];
+        assert_eq!(image::load_from_memory(bytes).expect("an image").into_rgb8(), board);
+        // The lightmap's coordinates come after the texture's.
+        assert_eq!(colour.tex_coord(), 0);
+        let reader = primitive.reader(|_| Some(&buffer));
+        assert!(reader.read_tex_coords(1).is_some());
+        let positions: Vec<[f32; 3]> = reader.read_positions().expect("positions").collect();
+        let uv: Vec<[f32; 2]> = reader.read_tex_coords(0).expect("coordinates").into_f32().collect();
+        for corner in reader.read_indices().expect("indices").into_u32() {
+            let (position, uv) = (positions[corner as usize], uv[corner as usize]);
+            let of_file: Vec<[f32; 2]> = mesh
+                .triangles
+                .iter()
+                .flatten()
+                .map(|v| *v as usize)
+                .filter(|v| mesh.positions[*v] == position)
+                .map(|v| mesh.uv[v])
+                .collect();
+            assert!(of_file.contains(&uv), "{uv:?} is none of {of_file:?}");
+            textured += 1;
+        }
+    }
+    assert_eq!(textured, 6, "corners of the floor's two triangles");
+}

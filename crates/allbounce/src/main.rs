@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 input refused, 2 usage, 3 input or output failed.
 
 mod bake;
+mod compare;
 mod csv_points;
 mod diff;
 mod dxt_pack;
@@ -26,6 +27,7 @@ mod report;
 mod runtime;
 mod series;
 mod session;
+mod show;
 mod stage;
 mod transfer;
 mod verify;
@@ -76,6 +78,8 @@ enum Command {
     Render(render::Args),
     Export(export::Args),
     Reference(reference::Args),
+    Show(show::Args),
+    Compare(compare::Args),
     Inspect(inspect::Args),
     Verify(verify::Args),
     Diff(diff::Args),
@@ -107,6 +111,8 @@ fn run(command: &Command, session: &Session) -> anyhow::Result<()> {
         Command::Render(args) => render::run(args, session),
         Command::Export(args) => export::run(args, session),
         Command::Reference(args) => reference::run(args, session),
+        Command::Show(args) => show::run(args, session),
+        Command::Compare(args) => compare::run(args, session),
         Command::Inspect(args) => inspect::run(args, session),
         Command::Verify(args) => verify::run(args, session),
         Command::Diff(args) => diff::run(args, session),

@@ -1,4 +1,4 @@
-//! Numbers on the command line: each with its range, so that a wrong one is a usage error.
+//! Numbers on the command line: each with its range, so that a wrong one is a usage error; and in words.
 
 /// A positive length with or without the unit `m`, `cm` or `mm`.
 pub fn metres(text: &str) -> Result<f32, String> {
@@ -45,4 +45,13 @@ pub fn relative_error(text: &str) -> Result<f64, String> {
 pub fn operator_error(text: &str) -> Result<f64, String> {
     let fits = |v: &f64| (0.0005..=0.5).contains(v);
     relative_error(text).ok().filter(fits).ok_or_else(|| "expected a relative error from 0.05% to 50%".into())
+}
+
+/// A share in percent, two digits.
+pub fn percent(share: f64) -> String {
+    let size = 100.0 * share.abs();
+    let digits = if size > 0.0 { (1.0 - size.log10().floor()).clamp(0.0, 9.0) as usize } else { 0 };
+    let number = format!("{size:.digits$}");
+    let short = if number.contains('.') { number.trim_end_matches('0').trim_end_matches('.') } else { &number };
+    format!("{}{short} %", if share < 0.0 { "−" } else { "" })
 }

@@ -18,7 +18,9 @@ const MARGIN: f64 = 24.0;
 /// Upper and lower border of the bar itself.
 const BAR: [f64; 2] = [8.0, 20.0];
 const TICK: f64 = 4.0;
-const LETTERS: u32 = 12;
+/// Height of letters, and about how wide one is for its height.
+const LETTERS: f64 = 12.0;
+const LETTER_WIDTH: f64 = 0.55;
 
 /// Colours of numbers from 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,9 +80,16 @@ impl ColourBar {
                 stroke_width: 1.0,
                 stroke_dasharray: None,
             });
-            scene.elements.push(text(x, y2 + 13.0, number));
+            scene.elements.push(text(x, y2 + 13.0, LETTERS, number));
         }
-        scene.elements.push(text(f64::from(width) / 2.0, f64::from(BAR_HEIGHT) - 8.0, &self.label));
+        // In narrow pictures the label is smaller.
+        let fitting = f64::from(width) / (LETTER_WIDTH * self.label.chars().count().max(1) as f64);
+        scene.elements.push(text(
+            f64::from(width) / 2.0,
+            f64::from(BAR_HEIGHT) - 8.0,
+            LETTERS.min(fitting),
+            &self.label,
+        ));
         let painted = RasterBackend::new().with_scale(1.0).render_scene(&scene);
         painted.map_err(|reason| Error::Painting { title: self.label.clone(), reason })
     }
@@ -91,9 +100,9 @@ fn rectangle(x: f64, width: f64, fill: Color) -> Primitive {
     Primitive::Rect { x, y, width, height, fill, stroke: None, stroke_width: None, opacity: None }
 }
 
-fn text(x: f64, y: f64, words: &str) -> Primitive {
-    let (content, anchor) = (words.to_owned(), TextAnchor::Middle);
-    Primitive::Text { x, y, content, size: LETTERS, anchor, rotate: None, bold: false, color: None }
+fn text(x: f64, y: f64, size: f64, words: &str) -> Primitive {
+    let (content, anchor, size) = (words.to_owned(), TextAnchor::Middle, size as u32);
+    Primitive::Text { x, y, content, size, anchor, rotate: None, bold: false, color: None }
 }
 
 #[cfg(test)]
