@@ -1,6 +1,7 @@
 # Allbounce. `make demo` shows it, `make test` checks it, `make bake SCENE=room.glb` bakes a scene stage by stage,
 # `make charts` draws where methods hold and where they fail (docs/charts/), `make bench` measures every operator,
-# `make leaks` how much light gets where it is dark (docs/leaks.md).
+# `make leaks` how much light gets where it is dark (docs/leaks.md), `make pictures` draws the walk through a bake
+# (docs/pictures/), `make test-export` asks the Khronos validator about exported files.
 #
 # Options of a stage go into a variable of its name:
 #   make bake SCENE=room.glb VOXEL_SIMPLIFY="--patches 3000" FORMFACTOR="--rays 1024"
@@ -8,11 +9,12 @@
 # and so does another value of its variable. The path of a scene must not hold spaces.
 
 SHELL := bash
+comma := ,
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 # Software Vulkan drivers want a private folder for their scratch files.
 export XDG_RUNTIME_DIR ?= /tmp
-.PHONY: help setup build demo test charts leaks bench bake clean FORCE
+.PHONY: help setup build demo test test-export charts leaks pictures bench bake clean FORCE
 
 ALLBOUNCE := target/release/allbounce
 
@@ -131,6 +133,54 @@ leak = --lights assets/leaks/$(1)/lamp.json --camera assets/leaks/$(1)/camera.js
 look = --lights assets/$(1)/$(firstword $(subst -, ,$(2))).json \
     $(if $(findstring -indirect,$(2)),--indirect-only) $(if $(findstring -gpu,$(2)),--backend gpu)
 
+# ---- the walk through a bake: docs/guide.md ----
+
+WALK := out/walk
+WALK_LIGHT := --lights assets/cornell/lamp.json
+WALK_CAMERA := --camera assets/cornell/camera.json
+# Pictures of light have one exposure, so that they can be compared.
+WALK_EXPOSURE := --exposure 4.6
+WALK_SMALL := $(WALK_CAMERA) --width 400 --height 400
+# Small, for the reference traces thousands of paths a pixel.
+WALK_TRUTH := $(WALK_LIGHT) $(WALK_CAMERA) --width 256 --height 256
+WALK_PICTURES := patches row direct one-bounce all-bounces compression beside error living-day living-evening
+
+pictures: build
+	mkdir -p docs/pictures
+	$(MAKE) --no-print-directory bake SCENE=assets/cornell/cornell.obj BAKE_DIR=$(WALK) \
+	    VOXEL_SIMPLIFY="--patches 1300" FORMFACTOR="--rays 16384"
+	$(MAKE) --no-print-directory bake SCENE=assets/apartment/apartment.obj VOXEL_SIMPLIFY="--patches 4000"
+	$(MAKE) --no-print-directory $(WALK_PICTURES:%=docs/pictures/%.png)
+
+# $(call show,what,options): a picture of the first prerequisite, its numbers beside it.
+show = $(ALLBOUNCE) show $(1) $< $(WALK_SMALL) $(2) -o $@ --report $(WALK)/$(basename $(@F)).json
+
+docs/pictures/patches.png: $(WALK)/1-voxel-simplify.rad
+	$(call show,patches)
+docs/pictures/row.png: $(WALK)/2-formfactor.rad
+	$(call show,row,--pixel 120$(comma)367)
+docs/pictures/direct.png: $(WALK)/2-formfactor.rad
+	$(call show,light,$(WALK_LIGHT) $(WALK_EXPOSURE) --bounces 0)
+docs/pictures/one-bounce.png: $(WALK)/2-formfactor.rad
+	$(call show,light,$(WALK_LIGHT) $(WALK_EXPOSURE) --bounces 1)
+docs/pictures/all-bounces.png: $(WALK)/3-series.rad
+	$(call show,light,$(WALK_LIGHT) $(WALK_EXPOSURE))
+$(WALK)/dense.exr: $(WALK)/4-permute.rad
+	$(call show,light,$(WALK_LIGHT))
+$(WALK)/packed.exr: $(WALK)/5-hmatrix.rad
+	$(call show,light,$(WALK_LIGHT))
+docs/pictures/compression.png: $(WALK)/dense.exr $(WALK)/packed.exr
+	$(ALLBOUNCE) compare $^ -o $@ --report $(WALK)/compression.json
+$(WALK)/truth.exr: assets/cornell/cornell.obj assets/cornell/lamp.json
+	$(ALLBOUNCE) reference $< $(WALK_TRUTH) --rel-error 2% --max-samples 32768 -o $@ --report $(WALK)/truth.json
+$(WALK)/baked.exr: $(WALK)/6-transfer.rad
+	$(ALLBOUNCE) render $< $(WALK_TRUTH) --samples 64 -o $@ --report $(WALK)/baked.json
+docs/pictures/beside.png docs/pictures/error.png &: $(WALK)/truth.exr $(WALK)/baked.exr
+	$(ALLBOUNCE) compare $^ --range 20% --beside docs/pictures/beside.png -o docs/pictures/error.png --report $(WALK)/error.json
+docs/pictures/living-%.png: $(APARTMENT)
+	$(ALLBOUNCE) render $< --camera assets/apartment/living.camera.json $(call look,apartment,$*) \
+	    --width 400 --height 280 --samples 64 -o $@
+
 # ---- every check ----
 
 test: setup
@@ -139,6 +189,22 @@ test: setup
 	cargo clippy --release --workspace --all-targets -- -D warnings
 	cargo clippy --release -p allbounce --no-default-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --release --workspace --no-deps
+
+# Exported files, judged by the Khronos glTF validator, which comes from npm.
+EXPORTED := $(foreach scene,cornell apartment,$(foreach file,scene vertex_colours,out/export-$(scene)/files/$(file).glb))
+GLTF_VALIDATOR := gltf-validator@2.0.0-dev.3.10
+
+test-export: build
+	./setup.sh npm
+	npm install --silent --no-save --no-package-lock --prefix out/npm $(GLTF_VALIDATOR)
+	$(call export,cornell,lamp)
+	$(call export,apartment,evening)
+	NODE_PATH=out/npm/node_modules node tests/validate_gltf.cjs $(EXPORTED)
+
+# Bakes a bundled scene and exports it under one of its lights: $(call export,scene,lights)
+export = $(MAKE) --no-print-directory bake SCENE=assets/$(1)/$(1).obj BAKE_DIR=out/export-$(1) \
+    VOXEL_SIMPLIFY="--patches 1000" TRANSFER="--lightmap 16384" && \
+    $(ALLBOUNCE) export out/export-$(1)/6-transfer.rad --lights assets/$(1)/$(2).json -o out/export-$(1)/files
 
 # ---- the stability laboratory ----
 

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Makes a machine ready to build and test: a Rust toolchain must be there; where no Vulkan driver is
 # found, Debian's software driver is installed (as root or with sudo). Does nothing where all is there.
+# `./setup.sh npm` installs npm as well, for `make test-export`.
 set -euo pipefail
 
 if ! command -v cargo >/dev/null; then
@@ -32,6 +33,7 @@ packages=()
 loader || packages+=(libvulkan1)
 driver || packages+=(mesa-vulkan-drivers)
 command -v cc >/dev/null || packages+=(gcc libc6-dev)
+[ "${1:-}" != npm ] || command -v npm >/dev/null || packages+=(nodejs npm)
 [ ${#packages[@]} -gt 0 ] || exit 0
 
 as_root=()
@@ -42,6 +44,6 @@ if command -v apt-get >/dev/null && { [ "$(id -u)" = 0 ] || sudo -n true 2>/dev/
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq install -y --no-install-recommends "${packages[@]}" >&2
 else
     echo "setup: please install these (Debian's names): ${packages[*]}" >&2
-    echo "       they are a C compiler for linking, the Vulkan loader and a Vulkan driver (lavapipe will do)" >&2
+    echo "       they are a C compiler for linking, the Vulkan loader and a Vulkan driver (lavapipe will do), or npm" >&2
     exit 1
 fi
