@@ -5,10 +5,14 @@ mod fixture;
 
 use std::path::{Path, PathBuf};
 
-use fixture::{Extras, cube, every_feature, half, hierarchical, operators, parted_floor, patches_of_a_parted_floor};
+use fixture::{
+    Extras, cube, elements, every_feature, gathered, gathered_by_lightmap, gathered_by_volume, half, hierarchical,
+    lightmap, operators, parted_floor, patches_of_a_parted_floor, receivers_that_gather, volume,
+};
 use radfile::{
-    BlockFormat, Container, FLAG_PATCH_ORDER, FormFactors, HierarchicalOperator, Materials, Mesh, Operator,
-    PackedOperator, Patches, Permutation, Provenance, Record, Transfer, ValueMap, digest,
+    BlockFormat, Container, Elements, FLAG_PATCH_ORDER, FormFactors, Gathered, HierarchicalOperator, Lightmap,
+    Materials, Mesh, Operator, PackedOperator, Patches, Permutation, Provenance, Record, Transfer, ValueMap, Volume,
+    digest,
 };
 
 /// BLAKE3 of each file, so that none is made again by accident.
@@ -22,6 +26,8 @@ const FILES: [(&str, &str); 4] = [
 const PARTED_FLOOR: &str = "9412d0702a70d18e5391d5eab844efb0739f244a98e0f399586c146a26460860";
 
 const OPERATORS: &str = "19ba957c89e07036f96054790c6c590ad271c856d2d6b7b8047c310eb3d4abb9";
+
+const GATHERED: &str = "ff8e6e32d3f06ffcced4a1ccd0cdb8e48b6108ae24073325f1777ac19ffed5e2";
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/compat/1.0")
@@ -84,6 +90,25 @@ fn the_file_of_version_1_2_is_the_one_that_was_written_then_and_is_read() {
     assert_eq!(c.as_bytes(), operators().as_bytes(), "version 1.2 is still what is written");
     assert_eq!(HierarchicalOperator::read(&c).expect("legal"), hierarchical());
     assert_eq!(PackedOperator::read(&c).expect("legal"), half());
+}
+
+#[test]
+fn the_file_of_version_1_3_is_the_one_that_was_written_then_and_is_read() {
+    let folder = folder().join("../1.3");
+    let version = std::fs::read_to_string(folder.join("VERSION")).expect("it says who wrote the folder");
+    assert_eq!(version.trim(), "container 1.3");
+    assert_eq!(std::fs::read_dir(&folder).expect("the folder is there").count(), 2);
+    let c = Container::open(&folder.join("gathered.rad")).expect("legal");
+    assert_eq!(c.version(), (1, 3));
+    assert_eq!(digest(c.as_bytes()), GATHERED, "this is not the file that version 1.3 wrote");
+    assert_eq!(c.as_bytes(), receivers_that_gather().as_bytes(), "version 1.3 is still what is written");
+    assert_eq!(Mesh::read(&c).expect("legal").lightmap_uv.len(), 24);
+    assert_eq!(Elements::read(&c).expect("legal"), elements());
+    assert_eq!(Transfer::read(&c).expect("legal"), gathered());
+    assert_eq!(Lightmap::read(&c).expect("legal"), lightmap());
+    assert_eq!(Gathered::read(&c, Lightmap::PREFIX, 6).expect("legal"), gathered_by_lightmap());
+    assert_eq!(Volume::read(&c).expect("legal"), volume());
+    assert_eq!(Gathered::read(&c, Volume::PREFIX, 30).expect("legal"), gathered_by_volume());
 }
 
 #[test]
