@@ -36,9 +36,9 @@ pub fn ktx2([width, height, depth]: [u32; 3], texels: &[[f16; 4]]) -> Vec<u8> {
     file.extend(header.iter().chain(&index).flat_map(|v: &u32| v.to_le_bytes()));
     file.extend([first, length, length].iter().flat_map(|v| v.to_le_bytes()));
     // Khronos' basic block, version 2; RGB of BT.709, linear; one texel a block, in 8 bytes.
-    let block = [descriptor, 0, BLOCK << 16 | 2, 1 << 16 | 1 << 8 | 1, 0, 8, 0];
+    let block = [descriptor, 0, (BLOCK << 16) | 2, (1 << 16) | (1 << 8) | 1, 0, 8, 0];
     let sample = |(k, channel): (u32, u32)| {
-        let bits = 16 * k | 15 << 16 | (SIGNED_FLOAT | channel) << 24;
+        let bits = (16 * k) | (15 << 16) | ((SIGNED_FLOAT | channel) << 24);
         [bits, 0, (-1.0f32).to_bits(), 1.0f32.to_bits()]
     };
     let samples = (0..).zip(CHANNELS).flat_map(sample);
