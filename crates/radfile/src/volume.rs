@@ -1,7 +1,7 @@
 //! An irradiance volume: a regular grid of probes, each the irradiance of six planes, for what moves through a scene.
 //!
-//! Source: J. Mitchell, G. McTaggart, C. Green, Shading in Valve's Source Engine, SIGGRAPH 2006 course, slides 27 and 28
-//! (the ambient cube); G. Greger et al., The Irradiance Volume, 1998 (the grid).
+//! Source: J. Mitchell, G. McTaggart, C. Green, Shading in Valve's Source Engine, SIGGRAPH 2006 course, slides 27 and
+//! 28 (the ambient cube); G. Greger et al., The Irradiance Volume, 1998 (the grid).
 
 use serde::{Deserialize, Serialize};
 

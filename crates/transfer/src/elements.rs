@@ -1,9 +1,10 @@
 //! Parts patches into elements: what the last gather tells apart of a sender.
 //!
 //! Rays between patches land where light comes from; there a patch is looked at, and nowhere else: much of what a voxel
-//! holds may be hidden within it. A cubic grid of about half a patch's extent parts each patch. How much of it is seen in a
-//! cell, what it reflects there, and points at which its direct light is looked up come from where rays landed. Rays are as
-//! many as the area that they leave, so that by reciprocity they land evenly on all that is seen. Nothing is clipped.
+//! holds may be hidden within it. A cubic grid of about half a patch's extent parts each patch. How much of it is seen
+//! in a cell, what it reflects there, and points at which its direct light is looked up come from where rays landed.
+//! Rays are as many as the area that they leave, so that by reciprocity they land evenly on all that is seen. Nothing
+//! is clipped.
 
 use std::collections::BTreeMap;
 
@@ -72,8 +73,8 @@ pub fn subdivide(patches: &Patches, surfaces: &Surfaces, rays: &Rays, progress: 
     all
 }
 
-/// Edge of the cells that part a patch: half its extent, by powers of two from the voxel, which it need not be cut finer
-/// than in half.
+/// Edge of the cells that part a patch: half its extent, by powers of two from the voxel, which it need not be cut
+/// finer than in half.
 fn edge(voxel: f32, area: f32) -> f32 {
     let levels = (area.sqrt() / voxel).log2().round().max(0.0);
     0.5 * voxel * levels.exp2()

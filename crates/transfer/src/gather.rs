@@ -59,8 +59,8 @@ pub fn gather_memory_needed(points: usize, senders: usize, params: &GatherParams
     row.saturating_mul(points as u64)
 }
 
-/// Form factors of points; columns are the senders of a gather ([`Elements`]). The triangles that they lie on need not be
-/// known ([`scene::NO_TRIANGLE`]).
+/// Form factors of points; columns are the senders of a gather ([`Elements`]). The triangles that they lie on need not
+/// be known ([`scene::NO_TRIANGLE`]).
 ///
 /// # Panics
 ///

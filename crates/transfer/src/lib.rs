@@ -10,10 +10,11 @@
 //!   (`neighbours.rs`, `fit.rs`). A row sums to 1, so a flat floor under uniform light stays flat. Cheaper, and several
 //!   times less accurate.
 //!
-//! Every weight stands for a path through open air that was tested by rays, so no light passes a wall however thin it is.
+//! Every weight stands for a path through open air that was tested by rays, so no light passes a wall however thin it
+//! is.
 //!
-//! [`transfer`] makes the record of a bake, [`lightmap()`] that of a lightmap, [`volume()`] that of an irradiance volume,
-//! [`gather_for_points`] and [`interpolate_for_points`] the rows of any other points.
+//! [`transfer`] makes the record of a bake, [`lightmap()`] that of a lightmap, [`volume()`] that of an irradiance
+//! volume, [`gather_for_points`] and [`interpolate_for_points`] the rows of any other points.
 
 mod elements;
 mod error;
@@ -63,7 +64,8 @@ pub enum Mode {
 pub struct Params {
     /// How light comes to them.
     pub mode: Mode,
-    /// Longest edge of the fine mesh, metres; `None` is the voxel size or, if that is longer, the extent of a mean patch.
+    /// Longest edge of the fine mesh, metres; `None` is the voxel size or, if that is longer, the extent of a mean
+    /// patch.
     pub edge: Option<f32>,
     /// Interpolation: search radius for patches, voxels; grows where it finds none.
     pub radius: f32,

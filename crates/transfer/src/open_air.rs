@@ -1,11 +1,11 @@
 //! Which places of a grid are in the open, and which lie inside of something.
 //!
-//! From within a closed solid all rays meet the back sides of its triangles, or sides that have no patch. Back sides alone
-//! do not tell: two rooms may have one sheet for a wall, and it shows one of them its back. So a place that sees backs is
-//! in the open, too, if it is in plain sight of one beside it that is.
+//! From within a closed solid all rays meet the back sides of its triangles, or sides that have no patch. Back sides
+//! alone do not tell: two rooms may have one sheet for a wall, and it shows one of them its back. So a place that sees
+//! backs is in the open, too, if it is in plain sight of one beside it that is.
 //!
-//! Source: Z. Majercik et al., Dynamic Diffuse Global Illumination with Ray-Traced Irradiance Fields, JCGT 8(2), 2019, whose
-//! probes are inside of something where more than a quarter of the rays meet back faces.
+//! Source: Z. Majercik et al., Dynamic Diffuse Global Illumination with Ray-Traced Irradiance Fields, JCGT 8(2), 2019,
+//! whose probes are inside of something where more than a quarter of the rays meet back faces.
 
 use glam::Vec3;
 use rayon::prelude::*;

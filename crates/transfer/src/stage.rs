@@ -13,8 +13,8 @@ use crate::{
 ///
 /// # Errors
 ///
-/// What [`transfer`], [`lightmap()`] and [`volume()`] refuse, [`Error::CutOperator`], [`Error::NotGathered`], or a container that cannot be
-/// read or written.
+/// What [`transfer`], [`lightmap()`] and [`volume()`] refuse, [`Error::CutOperator`], [`Error::NotGathered`], or a
+/// container that cannot be read or written.
 pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progress, sink: &mut Sink) -> Result<Report> {
     if let (Mode::Gather, Some(bounces)) = (params.mode, radfile::bounces_held(input)?) {
         return Err(Error::CutOperator { bounces });

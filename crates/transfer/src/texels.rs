@@ -1,7 +1,7 @@
 //! The receivers of a lightmap, and what they gather.
 //!
-//! Texels are placed by the crate `lightmap`: by the coordinates that the scene file brings where those are a lightmap's,
-//! otherwise unwrapped.
+//! Texels are placed by the crate `lightmap`: by the coordinates that the scene file brings where those are a
+//! lightmap's, otherwise unwrapped.
 
 use glam::Vec3;
 use lightmap::{Atlas, Size, UnwrapParams, texels, unwrap};

@@ -31,8 +31,8 @@ impl Default for VolumeParams {
     }
 }
 
-/// Walls like to stand in the middle between others, where a probe would lie on them: probes are moved off the middle of
-/// their cells by this share of the edges.
+/// Walls like to stand in the middle between others, where a probe would lie on them: probes are moved off the middle
+/// of their cells by this share of the edges.
 const ASIDE: Vec3 = Vec3::new(0.011, 0.017, 0.013);
 
 /// Cells that cover the scene; no probe is in them yet.
@@ -116,8 +116,8 @@ fn points(places: &[Vec3]) -> Vec<SurfacePoint> {
     places.iter().flat_map(six).collect()
 }
 
-/// For every cell the probe whose light it shows: its own; one whose light leaves the solid that the place lies in by the
-/// straight way; or any. Of those the one that is the fewest cells away.
+/// For every cell the probe whose light it shows: its own; one whose light leaves the solid that the place lies in by
+/// the straight way; or any. Of those the one that is the fewest cells away.
 fn shown(volume: &Volume, rays: &Rays, places: &[Vec3]) -> Vec<u32> {
     let mut probe = vec![NONE; volume.cells()];
     for (number, &cell) in volume.cell.iter().enumerate() {

@@ -35,12 +35,13 @@ pub struct Args {
     /// Folder that the files go to; it is made if it is not there
     #[arg(short, long, value_name = "OUTDIR")]
     output: PathBuf,
-    /// lightmap.exr and lightmap.png (irradiance), lightmap_radiance.exr and .png (reflectance times irradiance over π), and
-    /// scene.glb, the scene with the lightmap's coordinates as its last TEXCOORD; of a bake with --lightmap
+    /// lightmap.exr and lightmap.png (irradiance), lightmap_radiance.exr and .png (reflectance times irradiance over
+    /// π), and scene.glb, the scene with the lightmap's coordinates as its last TEXCOORD; of a bake with --lightmap
     #[arg(long)]
     lightmap: bool,
-    /// volume.ktx2, a texture of Bevy's IrradianceVolume (irradiance over π), volume.raw and volume_sh.raw, ambient cubes and
-    /// linear harmonics (irradiance, f32), and volume.json, which says where they lie; of a bake with --volume
+    /// volume.ktx2, a texture of Bevy's IrradianceVolume (irradiance over π), volume.raw and volume_sh.raw, ambient
+    /// cubes and linear harmonics (irradiance, f32), and volume.json, which says where they lie; of a bake with
+    /// --volume
     #[arg(long)]
     volume: bool,
     /// vertex_colours.glb: the finer mesh with irradiance as COLOR_0, in parts of `irradiance_of_white` in its extras

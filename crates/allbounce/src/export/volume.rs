@@ -1,10 +1,11 @@
 //! The irradiance volume of a bake: a texture for Bevy, and plain numbers.
 //!
-//! Bevy's `IrradianceVolume` is a texture of nx × 2 ny × 3 nz texels. Its shader (`bevy_pbr`, irradiance_volume.wgsl) takes
-//! for a normal n the three faces that look along n, those of x from slab 0, of y from slab 1, of z from slab 2, with rows 0
-//! to ny − 1 where the component of n is not negative and ny to 2 ny − 1 where it is; weighs them with n_x², n_y², n_z²; and
-//! multiplies with diffuse colour and intensity. So a texel is irradiance over π, what a white surface reflects. The
-//! texture fills a cube of edge 1 around the origin, which the entity's transform brings to its place.
+//! Bevy's `IrradianceVolume` is a texture of nx × 2 ny × 3 nz texels. Its shader (`bevy_pbr`, irradiance_volume.wgsl)
+//! takes for a normal n the three faces that look along n, those of x from slab 0, of y from slab 1, of z from slab 2,
+//! with rows 0 to ny − 1 where the component of n is not negative and ny to 2 ny − 1 where it is; weighs them with
+//! n_x², n_y², n_z²; and multiplies with diffuse colour and intensity. So a texel is irradiance over π, what a white
+//! surface reflects. The texture fills a cube of edge 1 around the origin, which the entity's transform brings to its
+//! place.
 
 use std::{f32::consts::PI, path::Path};
 
