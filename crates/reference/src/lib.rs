@@ -8,11 +8,13 @@
 //! - [`PathTracer::points`]: irradiance at points, direct, after one bounce and after all, with standard errors.
 //! - [`PathTracer::picture`]: what a camera sees.
 //! - [`Stop`]: when an estimate is good enough.
+//! - [`rivals`]: other methods for lights that change.
 //!
 //! Answers are the same bits for any number of threads.
 
 mod path_tracer;
 mod progressive;
+pub mod rivals;
 mod statistics;
 
 pub use path_tracer::{PathTracer, Picture, PictureReport, PointEstimate, PointReport, Sampling};

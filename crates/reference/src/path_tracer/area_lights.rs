@@ -73,6 +73,11 @@ impl<'a> AreaLights<'a> {
         AreaLights { surfaces, emitters, quads, cumulative, triangle_density }
     }
 
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.emitters.is_empty()
+    }
+
     /// One way to the irradiance, W/m²: from a point on a light, which the three numbers choose.
     pub fn chosen(&self, at: &Vertex, rays: &CountedRays, [pick, x, y]: [f32; 3]) -> Vec3 {
         let number = self.cumulative.partition_point(|&c| c <= pick).min(self.emitters.len().saturating_sub(1));

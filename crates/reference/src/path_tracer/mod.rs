@@ -4,6 +4,7 @@
 //! for light transport simulation, 1997, chapters 9 (multiple importance sampling) and 10 (roulette).
 
 mod area_lights;
+mod direct;
 mod lamps;
 mod path;
 mod picture;
@@ -23,6 +24,7 @@ use scene::{Hit, Light, LightRig, Rays, Scene, Surfaces};
 use area_lights::AreaLights;
 use lamps::Lamps;
 
+pub use direct::DirectNumbers;
 pub use picture::{Picture, PictureReport};
 pub use points::{PointEstimate, PointReport};
 
@@ -78,7 +80,7 @@ impl<'a> PathTracer<'a> {
 
 /// A point that receives light, raised off its surface.
 #[derive(Clone, Copy, Debug)]
-struct Vertex {
+pub struct Vertex {
     position: Vec3,
     /// Unit normal of the side that receives.
     normal: Vec3,

@@ -1,0 +1,25 @@
+//! Other ways to light a still scene under lights that change, to hold Allbounce against.
+//!
+//! Each is a folder or file of its own, made from its source and tuned as its authors advise; none shares more with the
+//! product than [`crate::PathTracer`] does. All see the same scene, lights and receivers, and use all threads of the
+//! current rayon pool.
+
+mod setting;
+
+pub use setting::{Lights, Setting};
+
+use radfile::Progress;
+use scene::LightRig;
+
+/// A method, prepared for one [`Setting`].
+pub trait Rival {
+    /// What it is called and how it is set, as a chart labels it: `instant radiosity, 1024 lights`.
+    fn name(&self) -> String;
+
+    /// Irradiance after one and more bounces at every receiver, W/m². All of what a change of the lights costs is done here,
+    /// and nothing is kept from one call to the next that the lights decide.
+    fn indirect(&mut self, rig: &LightRig, progress: &dyn Progress) -> Vec<[f32; 3]>;
+
+    /// Bytes that it keeps from one change of the lights to the next, beyond the scene itself.
+    fn bytes(&self) -> u64;
+}
