@@ -111,11 +111,27 @@ impl<'a> DirectLight<'a> {
 
     /// Irradiance of everything but the sky, W/m².
     pub fn irradiance_of_lamps(&self, at: &SurfacePoint, samples: &Samples, seed: u32) -> [f64; 3] {
-        let receiver = Receiver { position: self.rays.off_surface(at.position, at.normal), normal: at.normal };
+        self.mean_irradiance_of_lamps(&[*at], samples, |_| seed)
+    }
+
+    /// The same, mean over points; point i has the seed `seed(i)`, and `samples` are those of one point.
+    pub fn mean_irradiance_of_lamps(
+        &self,
+        points: &[SurfacePoint],
+        samples: &Samples,
+        seed: impl Fn(u32) -> u32,
+    ) -> [f64; 3] {
+        let receiver =
+            |p: &SurfacePoint| Receiver { position: self.rays.off_surface(p.position, p.normal), normal: p.normal };
         let light = emitters::Light { rays: self.rays, surfaces: self.surfaces };
-        let lamps = self.lamps.iter().map(|l| self.lamp(l, &receiver, at.triangle));
-        let groups = self.groups.iter().enumerate();
-        let groups = groups.map(|(number, g)| g.irradiance(&light, &receiver, samples, hash(seed, number as u32)));
+        let lamps = points.iter().flat_map(|p| {
+            let at = receiver(p);
+            self.lamps.iter().map(move |l| self.lamp(l, &at, p.triangle).map(|e| e / points.len() as f64))
+        });
+        let groups = (0..).zip(&self.groups).map(|(number, group)| {
+            let place = |(i, p): (u32, &SurfacePoint)| (receiver(p), hash(seed(i), number));
+            group.irradiance(&light, &(0..).zip(points).map(place).collect::<Vec<_>>(), samples)
+        });
         lamps.chain(groups).fold([0.0; 3], |sum, e| std::array::from_fn(|c| sum[c] + e[c]))
     }
 

@@ -139,8 +139,8 @@ impl Emitter {
         }
     }
 
-    /// Irradiance from `count` samples; `unoccluded` is the closed form.
-    fn irradiance(&self, light: &Light, at: &Receiver, unoccluded: f64, count: u32, seed: u32) -> [f64; 3] {
+    /// Means of `count` samples: of radiance times transport where they are seen, and of transport seen or not.
+    fn look(&self, light: &Light, at: &Receiver, count: u32, seed: u32) -> ([f64; 3], f64) {
         let sobol = Sobol::new(seed);
         let (mut seen, mut all) = ([0.0; 3], 0.0);
         for i in 0..count {
@@ -152,7 +152,30 @@ impl Emitter {
                 seen = std::array::from_fn(|c| seen[c] + transport * sample.radiance[c]);
             }
         }
-        if all > 0.0 { seen.map(|s| unoccluded * s / all) } else { [0.0; 3] }
+        (seen.map(|s| s / f64::from(count)), all / f64::from(count))
+    }
+}
+
+/// What some places see of one emitter.
+#[derive(Clone, Default)]
+struct View {
+    /// Sum of the closed forms.
+    unoccluded: f64,
+    /// Sums of the means of [`Emitter::look`].
+    seen: [f64; 3],
+    all: f64,
+}
+
+impl View {
+    fn add(&mut self, unoccluded: f64, (seen, all): ([f64; 3], f64)) {
+        self.unoccluded += unoccluded;
+        self.seen = std::array::from_fn(|c| self.seen[c] + seen[c]);
+        self.all += all;
+    }
+
+    /// Sum of the irradiances.
+    fn irradiance(&self) -> [f64; 3] {
+        if self.all > 0.0 { self.seen.map(|s| self.unoccluded * s / self.all) } else { [0.0; 3] }
     }
 }
 
@@ -169,29 +192,40 @@ impl Group {
         Group { emitters, crowd }
     }
 
-    /// Irradiance of the group at a place, W/m².
-    pub fn irradiance(&self, light: &Light, at: &Receiver, samples: &Samples, seed: u32) -> [f64; 3] {
-        if self.emitters.len() <= FEW.max(FEW_PER_SAMPLE * samples.area as usize) {
-            self.in_closed_form(light, at, samples.area, seed)
+    /// Mean irradiance of the group over some places, W/m²; each has a seed.
+    pub fn irradiance(&self, light: &Light, places: &[(Receiver, u32)], samples: &Samples) -> [f64; 3] {
+        let sum = if self.emitters.len() <= FEW.max(FEW_PER_SAMPLE * samples.area as usize) {
+            self.in_closed_form(light, places, samples.area)
         } else {
-            self.crowd.irradiance(&self.emitters, light, at, samples.area, seed)
-        }
+            let of =
+                |(at, seed): &(Receiver, u32)| self.crowd.irradiance(&self.emitters, light, at, samples.area, *seed);
+            places.iter().map(of).fold([0.0; 3], add)
+        };
+        sum.map(|s| s / places.len() as f64)
     }
 
     /// Each emitter in closed form; half of the samples go where light would come from without shadows.
-    fn in_closed_form(&self, light: &Light, at: &Receiver, samples: u32, seed: u32) -> [f64; 3] {
-        let unoccluded: Vec<f64> = self.emitters.iter().map(|e| e.unoccluded(at)).collect();
-        let brightest: f64 = unoccluded.iter().sum();
-        let in_view = unoccluded.iter().filter(|u| **u > 0.0).count() as f64;
-        let mut sum = [0.0; 3];
-        for (number, (emitter, &own)) in self.emitters.iter().zip(&unoccluded).enumerate() {
-            if own > 0.0 {
-                let share = 0.5 * own / brightest + 0.5 / in_view;
-                let count = (share * f64::from(samples)).ceil() as u32;
-                let light = emitter.irradiance(light, at, own, count, hash(seed, number as u32));
-                sum = std::array::from_fn(|c| sum[c] + light[c]);
+    ///
+    /// The fraction that is visible is taken of all places at once: a ratio of few samples is biased, so those of a
+    /// place that has one for each emitter must not be divided by themselves.
+    fn in_closed_form(&self, light: &Light, places: &[(Receiver, u32)], samples: u32) -> [f64; 3] {
+        let mut views = vec![View::default(); self.emitters.len()];
+        for (at, seed) in places {
+            let unoccluded: Vec<f64> = self.emitters.iter().map(|e| e.unoccluded(at)).collect();
+            let brightest: f64 = unoccluded.iter().sum();
+            let in_view = unoccluded.iter().filter(|u| **u > 0.0).count() as f64;
+            for (number, (emitter, &own)) in self.emitters.iter().zip(&unoccluded).enumerate() {
+                if own > 0.0 {
+                    let share = 0.5 * own / brightest + 0.5 / in_view;
+                    let count = (share * f64::from(samples)).ceil() as u32;
+                    views[number].add(own, emitter.look(light, at, count, hash(*seed, number as u32)));
+                }
             }
         }
-        sum
+        views.iter().map(View::irradiance).fold([0.0; 3], add)
     }
+}
+
+fn add(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|c| a[c] + b[c])
 }

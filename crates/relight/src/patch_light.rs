@@ -43,14 +43,10 @@ pub fn element_irradiance(
     progress.begin("direct light of patches", elements.patches() as u64);
     let (per_point, radiance) = (Samples { area, sky: 0 }, direct.sky_radiance());
     let of_element = |patch: usize, element: usize| {
-        let own = points.of(element);
-        let mut sum = [0.0; 3];
-        for (i, point) in points.points[own.clone()].iter().enumerate() {
-            let light = direct.irradiance_of_lamps(point, &per_point, hash(element as u32, i as u32));
-            sum = std::array::from_fn(|c| sum[c] + light[c]);
-        }
+        let own = &points.points[points.of(element)];
+        let lamps = direct.mean_irradiance_of_lamps(own, &per_point, |i| hash(element as u32, i));
         let seen = PI * f64::from(sky[patch]);
-        std::array::from_fn(|c| (sum[c] / own.len() as f64 + seen * radiance[c]) as f32)
+        std::array::from_fn(|c| (lamps[c] + seen * radiance[c]) as f32)
     };
     let of_patch = |patch: usize| {
         progress.advance(1);

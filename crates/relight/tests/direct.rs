@@ -203,6 +203,27 @@ fn a_patch_has_the_mean_of_its_points() {
     }
 }
 
+/// All walls shine and so does a box in their midst, which hides parts of them: π everywhere. Each point has about one ray
+/// for each of the triangles that it faces; a ratio of one is off by 4 %, one of all by 1.2 %.
+#[test]
+fn large_emitters_that_hide_each_other_light_a_patch_without_bias() {
+    let mut maker = Maker::new(1.0);
+    maker.room(Vec3::ZERO, Vec3::new(4.0, 2.5, 3.0), [1; 3]);
+    let (low, [x, y, z]) = (Vec3::new(1.1, 0.3, 0.9), [Vec3::X * 1.2, Vec3::Y * 1.5, Vec3::Z * 0.9]);
+    for (u, v, w) in [(x, y, z), (y, z, x), (z, x, y)] {
+        maker.sheet(low + w, u, v, [1, 1], &[Side::Front]);
+        maker.sheet(low, v, u, [1, 1], &[Side::Front]);
+    }
+    let (mesh, patches) = maker.finish();
+    let scene = scene(mesh, 0.5, [1.0; 3]);
+    let (rays, surfaces) = (Rays::new(&scene.mesh), Surfaces::new(&scene.mesh, &scene.materials).unwrap());
+    let light = DirectLight::new(&scene, &surfaces, &rays, &emission());
+    let h = patch_irradiance(&light, &scene.mesh, &patches, &vec![0.0; patches.len()], 32);
+    let area: f64 = patches.area.iter().map(|&a| f64::from(a)).sum();
+    let mean = patches.area.iter().zip(&h).map(|(&a, h)| f64::from(a * h[0])).sum::<f64>() / area;
+    close(mean, PI, 0.02);
+}
+
 /// Two rooms with a wall of 1 mm, all kinds of light in one: the other has none at all.
 #[test]
 fn no_light_at_all_reaches_a_sealed_room() {
