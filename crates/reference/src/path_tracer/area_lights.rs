@@ -7,9 +7,9 @@ use std::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
 use radfile::{Mesh, Side};
-use scene::{Hit, Light, LightRig, Scene, Sobol, Surfaces};
+use scene::{Hit, Light, LightRig, NO_TRIANGLE, Scene, Sobol, Surfaces};
 
-use super::{CountedRays, Vertex};
+use super::{CountedRays, Photon, Vertex, random::cosine_direction};
 
 /// Texels that say how bright a triangle is beside others.
 const PROBES: u32 = 16;
@@ -20,6 +20,8 @@ pub struct AreaLights<'a> {
     /// Quads first.
     emitters: Vec<Emitter>,
     quads: usize,
+    /// Mean radiance times area of all, W/sr.
+    power: f64,
     /// Up to each emitter, the part of all power.
     cumulative: Vec<f32>,
     /// For each triangle of the mesh the density of its points among all that are chosen, 1/m²; empty if
@@ -70,7 +72,35 @@ impl<'a> AreaLights<'a> {
                 triangle_density[t as usize] = emitter.density;
             }
         }
-        AreaLights { surfaces, emitters, quads, cumulative, triangle_density }
+        AreaLights { surfaces, emitters, quads, power: total, cumulative, triangle_density }
+    }
+
+    /// Flux of all, W, mean of the channels; about right where emission is textured.
+    pub fn flux(&self) -> f32 {
+        PI * self.power as f32
+    }
+
+    /// A photon of theirs: the first three numbers choose where it starts, the others where it goes.
+    pub fn photon(&self, place: [f32; 3], [x, y]: [f32; 2]) -> Option<Photon> {
+        let (emitter, u, v) = self.place(place)?;
+        let triangle = match emitter.kind {
+            Kind::Quad { .. } => NO_TRIANGLE,
+            Kind::Triangle(t) => t,
+        };
+        Some(Photon {
+            origin: emitter.at(u, v),
+            direction: cosine_direction(emitter.normal, x, y),
+            flux: self.radiance(emitter, u, v) * (PI / emitter.density),
+            triangle,
+        })
+    }
+
+    /// A point on a light: which, and its shares of the edges.
+    fn place(&self, [pick, x, y]: [f32; 3]) -> Option<(&Emitter, f32, f32)> {
+        let number = self.cumulative.partition_point(|&c| c <= pick).min(self.emitters.len().saturating_sub(1));
+        let emitter = self.emitters.get(number)?;
+        let (u, v) = emitter.point(x, y);
+        Some((emitter, u, v))
     }
 
     /// Whether there are none.
@@ -79,11 +109,9 @@ impl<'a> AreaLights<'a> {
     }
 
     /// One way to the irradiance, W/m²: from a point on a light, which the three numbers choose.
-    pub fn chosen(&self, at: &Vertex, rays: &CountedRays, [pick, x, y]: [f32; 3]) -> Vec3 {
-        let number = self.cumulative.partition_point(|&c| c <= pick).min(self.emitters.len().saturating_sub(1));
-        let Some(emitter) = self.emitters.get(number) else { return Vec3::ZERO };
-        let (u, v) = emitter.point(x, y);
-        let target = emitter.corner + u * emitter.edge_u + v * emitter.edge_v;
+    pub fn chosen(&self, at: &Vertex, rays: &CountedRays, place: [f32; 3]) -> Vec3 {
+        let Some((emitter, u, v)) = self.place(place) else { return Vec3::ZERO };
+        let target = emitter.at(u, v);
         let way = target - at.position;
         let square = way.length_squared();
         let direction = way / square.sqrt();
@@ -192,6 +220,11 @@ impl Emitter {
     /// Shares of the edges, uniform over the light.
     fn point(&self, x: f32, y: f32) -> (f32, f32) {
         if matches!(self.kind, Kind::Quad { .. }) { (x, y) } else { square_to_triangle(x, y) }
+    }
+
+    /// The point at these shares of the edges.
+    fn at(&self, u: f32, v: f32) -> Vec3 {
+        self.corner + u * self.edge_u + v * self.edge_v
     }
 
     /// Distance at which a ray meets the parallelogram on its emitting side, below `limit`.

@@ -1,9 +1,11 @@
 //! Lights without extent: points, spots, suns.
 
-use glam::{DVec3, Vec3};
-use scene::{Light, LightRig};
+use std::f32::consts::PI;
 
-use super::{CountedRays, Vertex};
+use glam::{DVec3, Vec3};
+use scene::{Light, LightRig, NO_TRIANGLE};
+
+use super::{CountedRays, Photon, Vertex, emission::Sphere};
 
 /// All lights without extent.
 pub struct Lamps(Vec<Lamp>);
@@ -43,6 +45,41 @@ impl Lamps {
             Light::Quad { .. } | Light::Sky { .. } => None,
         };
         Lamps(rig.lights.iter().filter_map(lamp).collect())
+    }
+
+    /// Flux of each lamp into a scene within `bounds`, W, mean of the channels; that of spots as if they had no penumbra.
+    pub fn fluxes(&self, bounds: &Sphere) -> Vec<f32> {
+        let mean = |v: Vec3| v.element_sum() / 3.0;
+        let flux = |lamp: &Lamp| match lamp {
+            Lamp::Point { intensity, cone, .. } => mean(*intensity) * solid_angle(cone.as_ref()),
+            Lamp::Directional { irradiance, .. } => mean(*irradiance) * bounds.cross_section(),
+        };
+        self.0.iter().map(flux).collect()
+    }
+
+    /// A photon of one lamp; two numbers choose its way.
+    pub fn photon(&self, lamp: usize, bounds: &Sphere, [x, y]: [f32; 2]) -> Photon {
+        match &self.0[lamp] {
+            Lamp::Point { position, intensity, cone } => {
+                let solid_angle = solid_angle(cone.as_ref());
+                let axis = cone.as_ref().map_or(Vec3::Z, |c| c.axis);
+                // 1 - cos θ is uniform over a cone.
+                let drop = x * solid_angle / (2.0 * PI);
+                let (s, t) = axis.any_orthonormal_pair();
+                let (sin, cos) = (2.0 * PI * y).sin_cos();
+                let aside = (drop * (2.0 - drop)).max(0.0).sqrt();
+                let direction = (aside * (cos * s + sin * t) + (1.0 - drop) * axis).normalize_or_zero();
+                let strength = cone.as_ref().map_or(1.0, |c| c.strength(direction));
+                let flux = *intensity * (strength * solid_angle);
+                Photon { origin: *position, direction, flux, triangle: NO_TRIANGLE }
+            }
+            Lamp::Directional { towards, irradiance } => Photon {
+                origin: bounds.before(-*towards, [x, y]),
+                direction: -*towards,
+                flux: *irradiance * bounds.cross_section(),
+                triangle: NO_TRIANGLE,
+            },
+        }
     }
 
     /// Irradiance of all lamps, W/m²: exact.
@@ -101,6 +138,12 @@ impl Lamp {
             Lamp::Directional { towards, .. } => rays.escapes(at, *towards),
         }
     }
+}
+
+/// Of a cone, or of all directions, sr.
+fn solid_angle(cone: Option<&Cone>) -> f32 {
+    let half_angle = cone.map_or(PI, |c| c.half_angle);
+    4.0 * PI * (0.5 * half_angle).sin().powi(2)
 }
 
 impl Cone {

@@ -5,7 +5,9 @@
 
 mod area_lights;
 mod direct;
+mod emission;
 mod lamps;
+mod landings;
 mod path;
 mod picture;
 mod points;
@@ -22,9 +24,11 @@ use radfile::Mesh;
 use scene::{Hit, Light, LightRig, Rays, Scene, Surfaces};
 
 use area_lights::AreaLights;
+use emission::Photon;
 use lamps::Lamps;
 
 pub use direct::DirectNumbers;
+pub use landings::Landing;
 pub use picture::{Picture, PictureReport};
 pub use points::{PointEstimate, PointReport};
 

@@ -4,8 +4,10 @@
 //! product than [`crate::PathTracer`] does. All see the same scene, lights and receivers, and use all threads of the
 //! current rayon pool.
 
+mod instant;
 mod setting;
 
+pub use instant::{InstantParams, InstantRadiosity};
 pub use setting::{Lights, Setting};
 
 use radfile::Progress;

@@ -7,7 +7,7 @@ use scene::{LightRig, Rays, Scene, SurfacePoint, Surfaces};
 
 use crate::{
     PathTracer,
-    path_tracer::{DirectNumbers, Vertex},
+    path_tracer::{DirectNumbers, Landing, Vertex},
 };
 
 /// A scene and the points of its surfaces whose irradiance is asked for.
@@ -42,5 +42,11 @@ impl Lights<'_> {
         let rays = AtomicU64::new(0);
         let at = Vertex::above(self.0.rays(), point);
         self.0.direct(at, &rays, DirectNumbers { samples, seed })
+    }
+
+    /// Where `paths` photons land that set out from the lights and go on up to `bounces` times: virtual lights, or flux
+    /// for a grid. `seed` chooses the paths.
+    pub(crate) fn landings(&self, paths: u32, bounces: u32, seed: u32) -> Vec<Landing> {
+        self.0.landings(paths, bounces, seed)
     }
 }
