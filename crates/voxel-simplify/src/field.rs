@@ -7,9 +7,9 @@
 //!
 //! Two halves of the rays are kept apart: noise is in both independently, so it is not in the mean of their product.
 
-use radfile::{Patches, Progress, face_id, luma};
+use radfile::{Patches, Progress, luma};
 use rayon::prelude::*;
-use scene::{PatchSampler, Rays, Sobol, cosine_direction, hash};
+use scene::{PatchSampler, Rays, Sobol, cosine_direction, hash, land};
 
 use crate::{
     lamps::{Lamp, direct_light},
@@ -52,9 +52,8 @@ impl Field {
                 let point = sampler.point(patch, x, y);
                 let origin = rays.off_surface(point.position, point.normal);
                 let direction = cosine_direction(point.normal, z, w);
-                let Some(hit) = rays.closest(origin, direction, f32::INFINITY, point.triangle) else { continue };
-                let place = (origin + hit.t * direction).to_array();
-                let Some(met) = patches.locator.patch_at(face_id(hit.triangle, hit.side), place) else { continue };
+                let landing = land(rays, &patches.locator, origin, direction, point.triangle);
+                let Some(met) = landing.and_then(|landing| landing.patch) else { continue };
                 let leaving = &leaving[met as usize * lamps.len()..][..lamps.len()];
                 sum.iter_mut().zip(leaving).for_each(|(sum, b)| *sum += b / RAYS as f32);
             }

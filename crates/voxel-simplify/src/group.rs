@@ -86,7 +86,7 @@ pub fn group(surface: &Surface, grid: &Grid, clips: &Clips, tolerance: f64, smal
         all.touches.extend(cell.touches.iter().map(|t| Touch { a: first + t.a, b: first + t.b, ..*t }));
         all.sheets.extend(cell.sheets);
     }
-    touch_across_planes(clips, &mut all, small, BESIDE * grid.size);
+    touch_across_planes(clips, &mut all, small, [tolerance, BESIDE * grid.size]);
     all
 }
 
@@ -177,7 +177,10 @@ fn touch(
 }
 
 /// Enters touches of pieces of one triangle on both sides of a plane between cells, unless a wall stands there.
-fn touch_across_planes(clips: &Clips, all: &mut Sheets, small: f64, beside: f64) {
+///
+/// As within a cell, what has no more than the tolerance in common meets at a corner only: where walls cross the plane,
+/// rounding alone says that pieces inside of a wall and pieces beside it do so at all.
+fn touch_across_planes(clips: &Clips, all: &mut Sheets, small: f64, [tolerance, beside]: [f64; 2]) {
     let mut touches = Vec::new();
     for (clip, &here) in clips.clips.iter().zip(&all.of_clip) {
         for (edge, ends) in clip.edges() {
@@ -193,7 +196,7 @@ fn touch_across_planes(clips: &Clips, all: &mut Sheets, small: f64, beside: f64)
                     let walls = walls(clips, clip).chain(walls(clips, other)).filter(|wall| wall.upright);
                     covered(walls, ends, beside) >= WALLED * ends[0].distance(ends[1])
                 };
-                touches.extend(touch.filter(|t| t.length > 0.0 && !is_walled()));
+                touches.extend(touch.filter(|t| t.length > 2.0 * tolerance && !is_walled()));
             }
         }
     }
