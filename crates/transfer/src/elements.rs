@@ -135,7 +135,10 @@ fn part(patches: &Patches, surfaces: &Surfaces, patch: usize, edge: f32, landing
     for landing in landings {
         cells.entry(CellKey::of(origin, edge, landing.position.to_array()).0).or_default().push(*landing);
     }
-    let is_large = |cell: &Vec<Landing>| cell.len() as f64 >= SMALLEST_SHARE * landings.len() as f64;
+    // A patch of many small parts far from each other has no cell with that share; the fullest is large in any case.
+    let fullest = cells.values().map(Vec::len).max().unwrap_or(0);
+    let large = (SMALLEST_SHARE * landings.len() as f64).min(fullest as f64);
+    let is_large = |cell: &Vec<Landing>| cell.len() as f64 >= large;
     let middles: Vec<Vec3> = cells.values().filter(|c| is_large(c)).map(|c| middle(c)).collect();
     let mut groups: Vec<Vec<Landing>> = vec![Vec::new(); middles.len()];
     let (mut numbered, mut next) = (Vec::new(), 0);

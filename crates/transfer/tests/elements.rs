@@ -75,6 +75,20 @@ fn what_is_hidden_of_a_patch_is_in_no_element() {
     assert!((area - 1.0).abs() < 1e-5, "what is seen stands for all: {area}");
 }
 
+/// The top of a thin wall: no cell has a thirty-second of it.
+#[test]
+fn a_patch_much_longer_than_wide_has_elements_too() {
+    let mut maker = Maker::new(0.02);
+    maker.sheet(Vec3::ZERO, Vec3::Z * 0.001, Vec3::X * 4.0, [1, 1], &[Side::Front]);
+    maker.sheet(Vec3::Y, Vec3::X * 4.0, Vec3::Z * 0.001, [1, 1], &[Side::Front]);
+    let (mesh, patches) = maker.finish();
+    let elements = parted(&mesh, &patches);
+    for patch in 0..2 {
+        let area: f32 = elements.of(patch).map(|e| elements.area[e]).sum();
+        assert!((area / patches.area[patch] - 1.0).abs() < 1e-5, "patch {patch}: {area}");
+    }
+}
+
 /// Near patches are told apart, far ones are not; either way nothing is counted twice.
 #[test]
 fn rows_over_patches_and_elements_sum_to_one_in_a_closed_room() {
