@@ -4,7 +4,7 @@
 //! is open floor on one side and covered, or another room, on the other, and as one patch it would
 //! carry the light of one to the other. So each piece is cut by the lines in which others of its
 //! cell meet its plane, as far as these pass through it (`wall`, `tree`). The parts are pieces of
-//! their own.
+//! their own. What ends a little above a piece cuts it, too (`rim`).
 //!
 //! A line often goes on beyond the wall that it was made for. Therefore the walls are kept:
 //! `contact` parts what they stand between and joins the rest again.
@@ -18,6 +18,7 @@ use crate::{
     clip::{Clip, Clips, area},
     contact::GOES_ON,
     grid::Grid,
+    rim::{REACH, Rims},
     surface::Surface,
     tree::{Cutting, Polygon, part},
     wall::{Wall, common},
@@ -39,10 +40,13 @@ pub struct Count {
 
 /// Cuts the pieces of all cells; places are compared to within `tolerance` metres.
 pub fn cut(surface: &Surface, grid: &Grid, clips: Clips, tolerance: f64) -> (Clips, Count) {
-    let cells = Cells::new(&clips);
+    let (cells, rims) = (Cells::new(&clips), Rims::new(surface, grid.size));
+    let reach = REACH * grid.size;
     let found: Vec<Vec<Done>> = (0..cells.runs.len())
         .into_par_iter()
-        .map(|run| Workshop { surface, grid, clips: &clips, cells: &cells, tolerance }.cut_cell(run))
+        .map(|run| {
+            Workshop { surface, grid, clips: &clips, cells: &cells, rims: &rims, tolerance, reach }.cut_cell(run)
+        })
         .collect();
     let mut of_clip: Vec<Option<Done>> = Vec::new();
     of_clip.resize_with(clips.clips.len(), || None);
@@ -88,7 +92,10 @@ struct Workshop<'a> {
     grid: &'a Grid,
     clips: &'a Clips,
     cells: &'a Cells,
+    rims: &'a Rims<'a>,
     tolerance: f64,
+    /// How far above a piece edges still cut it, metres.
+    reach: f64,
 }
 
 impl Workshop<'_> {
@@ -104,7 +111,9 @@ impl Workshop<'_> {
     fn cut_cell(&self, run: usize) -> Vec<Done> {
         let own = self.cells.of(run);
         let members: Vec<u32> = own.iter().copied().chain(self.guests(run)).collect();
-        let boxes: Vec<Box3> = members.iter().map(|&c| self.around(c)).collect();
+        // They overlap where pieces come as near as the tolerance or, with edges that may hang above others, as these reach.
+        let pad = |c: u32| if self.rims.has_any(self.clip(c)) { self.reach } else { 0.5 * self.tolerance };
+        let boxes: Vec<Box3> = members.iter().map(|&c| self.around(c, pad(c))).collect();
         let large = LARGE * self.grid.size * self.grid.size;
         let is_large: Vec<bool> = members.iter().map(|&c| self.clip(c).area >= large).collect();
         let wanted = |i: usize, j: usize| {
@@ -116,7 +125,7 @@ impl Workshop<'_> {
         let mut walls: Vec<Vec<Wall>> = vec![Vec::new(); own.len()];
         for (i, j) in close_pairs(&boxes, wanted) {
             for (piece, other) in [(i, j), (j, i)].into_iter().filter(|&(piece, _)| piece < own.len()) {
-                walls[piece].extend(self.wall(members[piece], members[other]));
+                walls[piece].extend(self.walls(members[piece], members[other]));
             }
         }
         let standing = own.iter().zip(walls).filter(|(_, walls)| !walls.is_empty());
@@ -128,37 +137,38 @@ impl Workshop<'_> {
         standing.map(cut).collect()
     }
 
-    /// Pieces of cells across planes in which pieces of this cell lie: what stands there may be counted to either.
+    /// Pieces of cells across planes in which pieces of this cell lie: what stands there may be counted to either. Of cells
+    /// across planes that are only near, those with edges that may hang above them.
     fn guests(&self, run: usize) -> Vec<u32> {
         let cell = self.cells.runs[run].0.cell();
-        let mut across = [[false; 2]; 3];
+        let mut gap = [[f64::INFINITY; 2]; 3];
         for &clip in self.cells.of(run) {
-            let flat = self.around(clip);
-            for (axis, across) in across.iter_mut().enumerate() {
-                let near = |layer: i64, x: f64| (self.grid.plane(axis, layer) - x).abs() <= 2.0 * self.tolerance;
-                if flat.high[axis] - flat.low[axis] <= 3.0 * self.tolerance {
-                    across[0] |= near(cell[axis], flat.low[axis]);
-                    across[1] |= near(cell[axis] + 1, flat.high[axis]);
+            let flat = self.around(clip, 0.0);
+            for (axis, [below, above]) in gap.iter_mut().enumerate() {
+                if flat.high[axis] - flat.low[axis] <= 2.0 * self.tolerance {
+                    *below = below.min((flat.low[axis] - self.grid.plane(axis, cell[axis])).abs());
+                    *above = above.min((self.grid.plane(axis, cell[axis] + 1) - flat.high[axis]).abs());
                 }
             }
         }
         let mut guests = Vec::new();
-        for (axis, across) in across.into_iter().enumerate() {
-            for (step, _) in [-1, 1].into_iter().zip(across).filter(|&(_, across)| across) {
+        for (axis, gap) in gap.into_iter().enumerate() {
+            for (step, gap) in [-1, 1].into_iter().zip(gap).filter(|&(_, gap)| gap <= self.reach) {
                 let mut beyond = cell;
                 beyond[axis] += step;
-                guests.extend_from_slice(self.cells.at(beyond));
+                let stands = |clip: &u32| gap <= 2.0 * self.tolerance || self.rims.has_any(self.clip(*clip));
+                guests.extend(self.cells.at(beyond).iter().filter(|clip| stands(clip)));
             }
         }
         guests
     }
 
-    /// Boxes overlap where pieces come as near as the tolerance.
-    fn around(&self, clip: u32) -> Box3 {
+    /// The box around a piece, and `pad` metres more.
+    fn around(&self, clip: u32, pad: f64) -> Box3 {
         let points = || self.clip(clip).corners.iter().map(|c| c.point);
         Box3 {
-            low: points().fold(DVec3::INFINITY, DVec3::min) - 0.5 * self.tolerance,
-            high: points().fold(DVec3::NEG_INFINITY, DVec3::max) + 0.5 * self.tolerance,
+            low: points().fold(DVec3::INFINITY, DVec3::min) - pad,
+            high: points().fold(DVec3::NEG_INFINITY, DVec3::max) + pad,
         }
     }
 
@@ -170,19 +180,30 @@ impl Workshop<'_> {
         distance <= half.dot(normal.abs()) + self.tolerance
     }
 
-    /// Where `other` stands on `piece` or passes through it.
-    fn wall(&self, piece: u32, other: u32) -> Option<Wall> {
+    /// Where `other` stands on `piece`, passes through it or ends above it.
+    fn walls(&self, piece: u32, other: u32) -> Vec<Wall> {
         let (normal, across) = (self.normal(piece), self.normal(other));
         let cosine = normal.dot(across).abs();
         if cosine > PARALLEL {
-            return None;
+            return vec![];
         }
-        let along = normal.cross(across).normalize();
+        let (along, upright) = (normal.cross(across).normalize(), cosine < GOES_ON);
         let (piece, other) = (self.clip(piece), self.clip(other));
         let foot = piece.corners[0].point;
-        let [from, to] = common(&other.corners, |p| (p - foot).dot(normal), along, self.tolerance)?;
-        let [from, to] = [from, to].map(|p| p - (p - foot).dot(normal) * normal);
-        let (direction, upright) = ((to - from).try_normalize()?, cosine < GOES_ON);
+        let met = common(&other.corners, |p| (p - foot).dot(normal), along, self.tolerance);
+        let wall = |ends| self.wall(piece, normal, ends, upright);
+        if let Some(wall) = met.and_then(wall) {
+            return vec![wall];
+        }
+        let hanging = if upright { self.rims.above(piece, other, [self.tolerance, self.reach]) } else { vec![] };
+        hanging.into_iter().filter_map(wall).collect()
+    }
+
+    /// A wall over these ends, as far as it lies on the piece.
+    fn wall(&self, piece: &Clip, normal: DVec3, ends: [DVec3; 2], upright: bool) -> Option<Wall> {
+        let foot = piece.corners[0].point;
+        let [from, to] = ends.map(|p| p - (p - foot).dot(normal) * normal);
+        let direction = (to - from).try_normalize()?;
         let aside = normal.cross(direction);
         let [low, high] = common(&piece.corners, |p| (p - from).dot(aside), direction, self.tolerance)?;
         let place = |p: DVec3| (p - from).dot(direction);

@@ -37,6 +37,7 @@ mod near;
 mod pilot;
 mod regions;
 mod report;
+mod rim;
 mod search;
 mod sets;
 mod simplify;

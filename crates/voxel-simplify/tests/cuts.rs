@@ -96,7 +96,7 @@ fn off_triangle([a, b, c]: [Vec3; 3], p: Vec3) -> f32 {
     beyond(a, b).max(beyond(b, c)).max(beyond(c, a))
 }
 
-fn check_box(bottom: f32) {
+fn check_box(bottom: f32, voxels: &[f32]) {
     let (low, high) = ([1.13, 0.87], [2.06, 1.94]);
     let mut build = room();
     build.solid(v(low[0], low[1], bottom), v(high[0], high[1], 1.2), 0);
@@ -104,7 +104,7 @@ fn check_box(bottom: f32) {
     for (scene, back) in both_ways(build) {
         let faces = floor(&scene, back);
         assert_eq!(faces.len(), 2, "the floor");
-        for voxel in VOXELS {
+        for &voxel in voxels {
             let (patches, report) = simplify(&scene, voxel);
             assert!(report.cut > 0 && report.capped == 0 && report.area_error < 1e-6, "{report:?}");
             let inside = in_rectangle(low, high);
@@ -122,17 +122,50 @@ fn check_box(bottom: f32) {
 
 #[test]
 fn the_floor_under_a_box_shares_no_patch_with_the_floor_around_it() {
-    check_box(0.0);
+    check_box(0.0, &VOXELS);
 }
 
 #[test]
 fn a_box_that_is_sunk_into_the_floor_parts_it_too() {
-    check_box(-0.05);
+    check_box(-0.05, &VOXELS);
 }
 
 #[test]
 fn a_box_that_hovers_by_rounding_parts_the_floor_too() {
-    check_box(1e-6);
+    check_box(1e-6, &VOXELS);
+}
+
+#[test]
+fn a_box_that_hovers_by_less_than_patches_parts_the_floor_too() {
+    // Among the largest voxels its edges are details.
+    check_box(0.001, &VOXELS[..4]);
+}
+
+#[test]
+fn a_sheet_that_ends_above_the_floor_parts_it_unless_it_is_a_detail() {
+    let cut_by = |wide: f32, voxel: f32| {
+        let mut build = room();
+        build.quad([v(1.87, 0.0, 0.05), v(1.87, wide, 0.05), v(1.87, wide, 1.2), v(1.87, 0.0, 1.2)], 0);
+        let scene = build.scene();
+        let (patches, report) = simplify(&scene, voxel);
+        (floor(&scene, Quat::IDENTITY), patches, report)
+    };
+    for voxel in [0.7, 1.3] {
+        let (faces, patches, report) = cut_by(3.0, voxel);
+        let beyond = area_inside(&patches, &faces, |p| p.x - 1.87);
+        assert!(
+            (beyond - 3.0 * 2.13).abs() < 1e-4 && report.capped == 0,
+            "voxel {voxel}: {beyond} m² beyond, {report:?}"
+        );
+        let (faces, patches, _) = cut_by(0.3, voxel);
+        let straddles = |p: usize| {
+            let xs = || {
+                patches.pieces_of(p).iter().filter(|p| faces.contains(&p.face)).flat_map(|p| p.corners).map(|c| c[0])
+            };
+            xs().any(|x| x < 1.8) && xs().any(|x| x > 1.9)
+        };
+        assert!((0..patches.len()).any(straddles), "voxel {voxel}: a narrow sheet parts the floor");
+    }
 }
 
 /// No patch of the scene has points on both sides of any of these planes; a thickness lies between.
