@@ -1,7 +1,7 @@
 //! No light where it is dark: the leak suite, a test a family of scenes. `docs/leaks.md` has the scores.
 
 use allbounce_tests::leaks::{
-    Darkness, LeakScene, all, back_faces, boxes, corners, curtain,
+    Darkness, LeakScene, adaptive, all, back_faces, boxes, corners, curtain,
     measure::{Leak, Scores, measure},
     sealed, sections, solids,
 };
@@ -12,16 +12,11 @@ const EXCESS: f64 = 0.005;
 /// Most that is allowed, mean over the dark places: gathered, interpolated, at receivers, in a picture.
 type Bounds = [f64; 4];
 
-/// Leaks that are known. Each should be 0, or [`EXCESS`] where light goes round; the bounds are what is so today.
-const KNOWN: [(&str, Bounds); 4] = [
-    // A patch of the surrounding surfaces reaches a millimetre into the wall, others on the other side do, too, and
-    // the sides inside of the wall see both.
-    ("turned by 30°", [5e-5; 4]),
-    // Floors are cut where something stands, not where it hovers: a patch is half under the box.
-    ("box hovering", [0.01, 0.04, 0.04, 0.0]),
-    ("boxes, cut open", [0.007, 0.01, 0.003, 0.0]),
-    // Patches around the free edge of the curtain lie on both sides.
-    ("curtain", [0.02, 0.025, 0.02, 0.0]),
+/// Leaks that are known. Each should be [`EXCESS`]; the bounds are what is so today.
+const KNOWN: [(&str, Bounds); 2] = [
+    // Not dark: an eighth of the mean comes through a gap of one and a half voxels. Patches there are coarse.
+    ("gap of 60 cm", [0.008, 0.014, 0.008, 0.0]),
+    ("curtain, cut open", [0.0055, 0.0095, EXCESS, 0.0]),
 ];
 
 fn bounds(scores: &Scores) -> Bounds {
@@ -44,14 +39,19 @@ fn assert_dark(scenes: impl IntoIterator<Item = LeakScene>) {
     }
 }
 
+/// Behind all walls up to a voxel; `make leaks` measures the thickest, too.
+fn sealed_scenes(kind: &str) -> impl Iterator<Item = LeakScene> {
+    sealed::scenes().into_iter().filter(move |s| s.name.starts_with(kind) && !s.name.contains("2 voxels"))
+}
+
 #[test]
 fn rooms_with_walls_of_their_own_are_sealed() {
-    assert_dark(sealed::scenes().into_iter().filter(|s| s.name.starts_with("two rooms")));
+    assert_dark(sealed_scenes("two rooms"));
 }
 
 #[test]
 fn a_hall_parted_by_a_wall_is_sealed() {
-    assert_dark(sealed::scenes().into_iter().filter(|s| s.name.starts_with("parted hall")));
+    assert_dark(sealed_scenes("parted hall"));
 }
 
 #[test]
@@ -77,6 +77,13 @@ fn solids_are_dark_inside() {
 #[test]
 fn back_sides_are_as_dark_as_what_is_in_front_of_them() {
     assert_dark(back_faces::scenes());
+}
+
+/// `make leaks` measures the others, too.
+#[test]
+fn adaptive_patches_let_nothing_in() {
+    let few = ["parted hall, wall 1 mm", "box standing, turned"];
+    assert_dark(adaptive::scenes().into_iter().filter(|s| few.iter().any(|start| s.name.starts_with(start))));
 }
 
 #[test]

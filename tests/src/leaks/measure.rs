@@ -13,8 +13,10 @@ use crate::{program::allbounce, reference::Table, text, workbench::Point};
 
 /// Edge of a voxel, metres: some 500 patches a scene.
 pub const VOXEL: f64 = 0.4;
+/// As many adaptive patches.
+const PATCHES: &str = "500";
 /// Paths of the truth where it is exactly 0, and where it is not.
-const PATHS: [&str; 2] = ["64", "2048"];
+const PATHS: [&str; 2] = ["64", "8192"];
 /// Most receivers that are held against the path tracer where the truth is not 0.
 const FEW: usize = 150;
 
@@ -51,7 +53,9 @@ pub fn measure(scene: &LeakScene) -> Scores {
     let folder = tempfile::tempdir().expect("a folder");
     let work = Work { folder: folder.path(), scene };
     let (file, bake) = (work.write_scene(), work.path("bake.rad"));
-    work.run(&["bake", &file, "-o", &bake, "--voxel", &format!("{VOXEL}m"), "--rays", "512"], scene.one_sided);
+    let voxel = format!("{VOXEL}m");
+    let fine = if scene.adaptive { ["--adaptive", "--patches", PATCHES].as_slice() } else { &["--voxel", &voxel] };
+    work.run(&[&["bake", &file, "-o", &bake, "--rays", "512"], fine].concat(), scene.one_sided);
 
     let world: Vec<Point> = scene.points.iter().map(|p| scene.placement.point(p)).collect();
     let relight = |options: &[&str]| {

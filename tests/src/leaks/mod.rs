@@ -3,6 +3,7 @@
 //! A scene is built in axes of its own (metres, +Y up) and then placed in the world, off the grid of voxels or turned.
 //! One file a family of scenes; `measure.rs` bakes them with the program and scores them against its path tracer.
 
+pub mod adaptive;
 pub mod back_faces;
 pub mod boxes;
 pub mod corners;
@@ -51,6 +52,8 @@ pub struct LeakScene {
     /// As glTF whose vertices are shared and have the mean normal of their faces; OBJ without normals otherwise.
     pub smooth: bool,
     pub one_sided: bool,
+    /// Baked with adaptive patches, with uniform ones otherwise.
+    pub adaptive: bool,
     /// A bulb, in axes of the scene.
     pub lamp: Option<[f64; 3]>,
     pub sky: bool,
@@ -72,6 +75,7 @@ impl LeakScene {
             faces: Vec::new(),
             smooth: false,
             one_sided: false,
+            adaptive: false,
             lamp: Some(lamp),
             sky: false,
             dark: Vec::new(),
@@ -144,6 +148,7 @@ pub fn all() -> Vec<LeakScene> {
         corners::scenes(),
         solids::scenes(),
         back_faces::scenes(),
+        adaptive::scenes(),
     ];
     families.into_iter().flatten().chain(sections().map(|(_, scene, _)| scene)).collect()
 }
