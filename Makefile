@@ -1,5 +1,6 @@
 # Allbounce. `make demo` shows it, `make test` checks it, `make bake SCENE=room.glb` bakes a scene stage by stage,
-# `make charts` draws where methods hold and where they fail (docs/charts/), `make bench` measures every operator,
+# `make charts` draws where methods hold and where they fail (docs/charts/) and, by `make rival-charts`, speed against accuracy of
+# every method in the bundled rooms; `make bench` measures every operator,
 # `make leaks` how much light gets where it is dark (docs/leaks.md), `make pictures` draws the walk through a bake
 # (docs/pictures/), `make test-export` asks the Khronos validator about exported files.
 #
@@ -10,11 +11,12 @@
 
 SHELL := bash
 comma := ,
+space := $() $()
 .SHELLFLAGS := -euo pipefail -c
 .DELETE_ON_ERROR:
 # Software Vulkan drivers want a private folder for their scratch files.
 export XDG_RUNTIME_DIR ?= /tmp
-.PHONY: help setup build demo test test-export charts leaks pictures bench bake clean FORCE
+.PHONY: help setup build demo test test-export charts stability rival-charts leaks pictures bench bake clean FORCE
 
 ALLBOUNCE := target/release/allbounce
 
@@ -208,10 +210,26 @@ export = $(MAKE) --no-print-directory bake SCENE=assets/$(1)/$(1).obj BAKE_DIR=o
     VOXEL_SIMPLIFY="--patches 1000" TRANSFER="--lightmap 16384" && \
     $(ALLBOUNCE) export out/export-$(1)/6-transfer.rad --lights assets/$(1)/$(2).json -o out/export-$(1)/files
 
-# ---- the stability laboratory ----
+# ---- charts ----
 
-charts: setup
+charts: stability rival-charts
+
+# The stability laboratory.
+stability: setup
 	cargo run --release -p allbounce-tests --example make_charts
+
+# Speed against accuracy of every method in the bundled rooms, half an hour; a quiet machine, named by MACHINE, times better.
+rival-charts: build
+	mkdir -p out
+	$(call rival-chart,cornell,lamp point)
+	$(call rival-chart,apartment,day evening)
+
+# One scene under some of its lights: $(call rival-chart,scene,lights)
+rival-chart = $(ALLBOUNCE) chart assets/$(1)/$(1).obj -o out/rivals-$(1) --report out/rivals-$(1).json \
+    --lights $(subst $(space),$(comma),$(2:%=assets/$(1)/%.json)) --note "$(MACHINE), commit $$(git rev-parse --short HEAD)" && \
+    for kind in csv md svg png; do cp out/rivals-$(1)/chart.$$kind docs/charts/rivals-$(1).$$kind; done && \
+    for kind in svg png; do cp out/rivals-$(1)/memory.$$kind docs/charts/rivals-$(1)-memory.$$kind; done && \
+    sed -i 's/(chart\./(rivals-$(1)./; s/(memory\./(rivals-$(1)-memory./' docs/charts/rivals-$(1).md
 
 # ---- the leak suite ----
 
@@ -243,7 +261,7 @@ bench: $(BENCH_BAKES:%=bench-%)
 	cargo run --release -p allbounce-tests --example bench_operators -- $(call record,operators,$(BENCH_BAKES))
 	cargo run --release -p allbounce-tests --example bench_orders -- $(call record,orders,$(BENCH_ORDERED))
 	echo $(MACHINE)/$(TODAY) > bench/record/shown
-	$(MAKE) --no-print-directory charts
+	$(MAKE) --no-print-directory stability
 
 bench-cornell-%: ; $(call bench-bake,cornell,$(BENCH_CORNELL))
 bench-apartment-%: ; $(call bench-bake,apartment,$(BENCH_APARTMENT))

@@ -81,6 +81,23 @@ impl Points {
         Points { header: COLUMNS.map(String::from).to_vec(), records: records.collect(), position, normal }
     }
 
+    /// The columns `name_r`, `name_g`, `name_b`, which the file must have.
+    pub fn colours(&self, name: &str) -> anyhow::Result<Vec<[f64; 3]>> {
+        let mut values = vec![[0.0; 3]; self.records.len()];
+        for (channel, letter) in ["r", "g", "b"].into_iter().enumerate() {
+            let column = format!("{name}_{letter}");
+            let at = self.header.iter().position(|h| *h == column);
+            let at = at.with_context(|| format!("column {column} is missing; found {}", self.header.join(",")))?;
+            for (number, (value, record)) in values.iter_mut().zip(&self.records).enumerate() {
+                let number_found = record[at].parse().ok().filter(|v: &f64| v.is_finite() && *v >= 0.0);
+                value[channel] = number_found.with_context(|| {
+                    format!("point {}: {column} is {:?}, expected 0 or a positive number", number + 1, record[at])
+                })?;
+            }
+        }
+        Ok(values)
+    }
+
     /// Writes the points with the columns `answers` appended; `row` gives them for a point.
     pub fn write(&self, path: &Path, answers: &[&str], row: impl Fn(usize) -> Vec<String>) -> anyhow::Result<()> {
         let mut out = csv::Writer::from_writer(Vec::new());

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 input refused, 2 usage, 3 input or output failed.
 
 mod bake;
+mod chart;
 mod compare;
 mod csv_points;
 mod diff;
@@ -78,6 +79,7 @@ enum Command {
     Render(render::Args),
     Export(export::Args),
     Reference(reference::Args),
+    Chart(chart::Args),
     Show(show::Args),
     Compare(compare::Args),
     Inspect(inspect::Args),
@@ -111,6 +113,7 @@ fn run(command: &Command, session: &Session) -> anyhow::Result<()> {
         Command::Render(args) => render::run(args, session),
         Command::Export(args) => export::run(args, session),
         Command::Reference(args) => reference::run(args, session),
+        Command::Chart(args) => chart::run(args, session),
         Command::Show(args) => show::run(args, session),
         Command::Compare(args) => compare::run(args, session),
         Command::Inspect(args) => inspect::run(args, session),

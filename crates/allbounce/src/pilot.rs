@@ -2,12 +2,16 @@
 
 use std::path::Path;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use formfactor::Budget;
 use radfile::{Container, Quiet};
 use series::Params;
 
-use crate::{session::Session, stage, voxel_simplify};
+use crate::{
+    session::Session,
+    stage::{self, kept},
+    voxel_simplify,
+};
 
 /// Rays a patch.
 const RAYS: u32 = 1024;
@@ -26,14 +30,4 @@ pub fn make(scene: &Path, options: &voxel_simplify::Options, session: &Session) 
     let params = formfactor::Params { budget, seed: 1 };
     let factors = kept(|sink| Ok(formfactor::run(&simple, &params, step("formfactor"), &Quiet, sink).map(drop)?))?;
     kept(|sink| Ok(series::run(&factors, &Params::default(), step("series"), &Quiet, sink).map(drop)?))
-}
-
-/// What a stage hands to its sink.
-fn kept(stage: impl FnOnce(&mut radfile::Sink) -> anyhow::Result<()>) -> anyhow::Result<Container> {
-    let mut container = None;
-    stage(&mut |builder| {
-        container = Some(builder.finish()?);
-        Ok(())
-    })?;
-    container.context("a stage ended without handing on its container")
 }

@@ -16,7 +16,7 @@ use crate::{
 };
 
 /// The columns that path tracing adds to [`ANSWERS`]: light of one bounce, standard errors, paths.
-const FURTHER: [&str; 13] = [
+pub const FURTHER: [&str; 13] = [
     "single_r",
     "single_g",
     "single_b",
@@ -32,7 +32,7 @@ const FURTHER: [&str; 13] = [
     "samples",
 ];
 /// Tallies and answers, as they are while a round of paths ends.
-const BYTES_A_POINT: u64 = 1024;
+pub const BYTES_A_POINT: u64 = 1024;
 const BYTES_A_PIXEL: u64 = 256;
 /// Paths of a point where nothing is asked.
 const POINT_SAMPLES: u32 = 4096;
@@ -201,13 +201,13 @@ impl Args {
     }
 }
 
-fn is_finite(light: &PointEstimate) -> bool {
+pub fn is_finite(light: &PointEstimate) -> bool {
     let all = [light.direct, light.single, light.indirect];
     all.iter().all(|m| m.value.iter().chain(&m.error).all(|v| (*v as f32).is_finite()))
 }
 
 /// The columns [`ANSWERS`] and [`FURTHER`] of one point, in single precision as relight writes them.
-fn row(light: &PointEstimate) -> Vec<String> {
+pub fn row(light: &PointEstimate) -> Vec<String> {
     let PointEstimate { direct, single, indirect, samples } = light;
     let colours =
         [direct.value, indirect.value, single.value, direct.error, single.error, indirect.error].into_iter().flatten();

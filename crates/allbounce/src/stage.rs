@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use radfile::{Container, Progress, Sink, Step};
 use serde::Serialize;
 
@@ -101,4 +102,14 @@ pub fn apply<S: Stage>(
 /// Number of patches of a container, without reading them.
 pub fn patch_count(input: &Container) -> anyhow::Result<u64> {
     Ok(input.array::<f32>("patches.area", 1)?.1[0])
+}
+
+/// What a stage hands to its sink.
+pub fn kept(stage: impl FnOnce(&mut Sink) -> anyhow::Result<()>) -> anyhow::Result<Container> {
+    let mut container = None;
+    stage(&mut |builder| {
+        container = Some(builder.finish()?);
+        Ok(())
+    })?;
+    container.context("a stage ended without handing on its container")
 }

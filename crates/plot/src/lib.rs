@@ -8,9 +8,11 @@
 mod colour_bar;
 mod draw;
 mod error;
+mod front;
 
 pub use colour_bar::{BAR_HEIGHT, ColourBar, Colours};
 pub use error::Error;
+pub use front::front;
 
 /// A chart with one pair of axes.
 #[derive(Clone, Debug)]

@@ -77,20 +77,20 @@ fn one_probe(channels: &[Vec<Row>], patches: &Patches, direct: &[f32], probe: us
         direct_flux += root * root * f64::from(direct[i]);
     }
     let (mean, mean_of_all) = (flux[0] / area, (flux[0] + direct_flux) / area);
-    let relative = |to: &dyn Fn(usize, f64) -> f64| {
+    let errors = |seen: &dyn Fn(usize, f64) -> f64| {
         let all = channels.iter().flat_map(|rows| rows.iter().enumerate());
-        let values = all.map(|(i, row)| {
+        let pairs = all.map(|(i, row)| {
             let root = f64::from(patches.area[i]).sqrt();
-            ratio((row.error[probe] / root).abs(), to(i, row.light[probe] / root))
+            [row.error[probe] / root, seen(i, row.light[probe] / root)]
         });
-        percentile_99(values.collect())
+        pairs.collect::<Vec<_>>()
     };
     let l2 = ratio(squares[1], squares[0]).sqrt();
     Errors {
         l2_mean: l2,
         l2_max: l2,
-        p99: relative(&|_, _| mean),
-        vis99: relative(&|i, light| f64::from(direct[i]) + light + 0.1 * mean_of_all),
+        p99: percentile_99(&errors(&|_, _| mean)),
+        vis99: vis99(&errors(&|i, light| f64::from(direct[i]) + light), mean_of_all),
         energy_bias: ratio(flux[1], flux[0]),
         ..Errors::default()
     }
@@ -101,8 +101,16 @@ fn ratio(part: f64, whole: f64) -> f64 {
     if part == 0.0 { 0.0 } else { part / whole }
 }
 
-/// The value that one in a hundred exceeds.
-fn percentile_99(mut values: Vec<f64>) -> f64 {
+/// 99th percentile of |error| relative to what is seen there, direct and indirect light together, plus a tenth of the mean
+/// of all that is seen: `errors` holds the error and what is seen of every place. 0 of no places.
+pub fn vis99(errors: &[[f64; 2]], mean_seen: f64) -> f64 {
+    let beside = |&[error, seen]: &[f64; 2]| [error, seen + 0.1 * mean_seen];
+    percentile_99(&errors.iter().map(beside).collect::<Vec<_>>())
+}
+
+/// The relative size of error that one in a hundred exceeds, of errors and what they are relative to.
+fn percentile_99(errors: &[[f64; 2]]) -> f64 {
+    let mut values: Vec<f64> = errors.iter().map(|&[error, to]| ratio(error.abs(), to)).collect();
     let rank = (values.len() * 99).div_ceil(100).saturating_sub(1);
-    *values.select_nth_unstable_by(rank, f64::total_cmp).1
+    if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(rank, f64::total_cmp).1 }
 }

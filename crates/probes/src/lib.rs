@@ -7,5 +7,5 @@
 mod errors;
 mod lights;
 
-pub use errors::{Errors, Row, sent_light, summarise};
+pub use errors::{Errors, Row, sent_light, summarise, vis99};
 pub use lights::{Surfaces, probe_lights};

@@ -1,0 +1,128 @@
+//! Times an entry and holds it to the truth.
+
+use std::time::Instant;
+
+use anyhow::ensure;
+use radfile::Quiet;
+use rayon::prelude::*;
+use reference::rivals::Rival;
+use scene::LightRig;
+use serde::Serialize;
+
+use super::{
+    ground::Ground,
+    score::{self, Score},
+    truth::Truth,
+};
+use crate::runtime;
+
+/// Frames of a light at most.
+const FRAMES: usize = 9;
+/// Seconds after which no further frame of a light is begun.
+const ENOUGH: f64 = 1.5;
+/// Pairs of rays from a receiver to area lights for the direct light of a frame.
+const DIRECT_SAMPLES: u32 = 4;
+
+/// One setting of one method.
+#[derive(Debug, Serialize)]
+pub struct Entry {
+    pub method: &'static str,
+    pub settings: String,
+    /// Indirect light of all receivers after the lights changed, ms: median of the frames of a light, mean over lights.
+    pub change_ms: f64,
+    /// The same and their direct light, ms.
+    pub frame_ms: f64,
+    /// What it keeps from one change to the next beside the scene.
+    pub bytes: u64,
+    pub bake_seconds: f64,
+    #[serde(flatten)]
+    pub score: Score,
+}
+
+/// Lights, truths and the entries so far.
+pub struct Judge<'a> {
+    rigs: &'a [LightRig],
+    truths: &'a [Truth],
+    ground: &'a Ground<'a>,
+    /// Method of the entries to come.
+    pub label: &'static str,
+    pub entries: Vec<Entry>,
+    /// Direct light of the receivers, mean over lights.
+    pub direct_seconds: f64,
+}
+
+impl<'a> Judge<'a> {
+    pub fn new(ground: &'a Ground<'a>, rigs: &'a [LightRig], truths: &'a [Truth]) -> Judge<'a> {
+        let direct_seconds = mean(rigs.iter().map(|rig| median(|| direct(ground, rig)).1));
+        Judge { rigs, truths, ground, label: "", entries: vec![], direct_seconds }
+    }
+
+    /// Makes a rival, which is its bake, and enters it.
+    pub fn make<R: Rival>(&mut self, rival: impl FnOnce() -> anyhow::Result<R>) -> anyhow::Result<()> {
+        let start = Instant::now();
+        let mut rival = rival()?;
+        self.enter(start.elapsed().as_secs_f64(), &mut rival)
+    }
+
+    /// Times a rival that took so many seconds to make, and scores it.
+    pub fn enter(&mut self, bake_seconds: f64, rival: &mut dyn Rival) -> anyhow::Result<()> {
+        let (mut scores, mut seconds) = (Vec::new(), Vec::new());
+        for (rig, truth) in self.rigs.iter().zip(self.truths) {
+            let (light, median) = median(|| rival.indirect(rig, &Quiet));
+            ensure!(light.as_flattened().iter().all(|v| v.is_finite()), "{}", runtime::TOO_BRIGHT);
+            scores.push(score::score(&light, truth));
+            seconds.push(median);
+        }
+        let (change, name) = (mean(seconds.into_iter()), rival.name());
+        let entry = Entry {
+            method: self.label,
+            settings: name.strip_prefix(self.label).unwrap_or(&name).trim_start_matches(", ").to_owned(),
+            change_ms: 1e3 * change,
+            frame_ms: 1e3 * (change + self.direct_seconds),
+            bytes: rival.bytes(),
+            bake_seconds,
+            score: score::of_all(&scores),
+        };
+        let Score { rms, bias, .. } = entry.score;
+        self.ground.session.say(&format!(
+            "{}, {}: {:.2} ms, RMS {:.2} %, bias {:+.2} %",
+            entry.method,
+            entry.settings,
+            entry.change_ms,
+            100.0 * rms,
+            100.0 * bias
+        ));
+        self.entries.push(entry);
+        Ok(())
+    }
+}
+
+/// Direct irradiance of the receivers.
+fn direct(ground: &Ground, rig: &LightRig) -> Vec<[f32; 3]> {
+    let lights = ground.setting.lights(rig);
+    let at = |(i, point)| lights.irradiance(point, DIRECT_SAMPLES, i as u32).to_array();
+    ground.setting.receivers.par_iter().enumerate().map(at).collect()
+}
+
+/// The answer of a frame and the median of the times of several; the first warms up and is not timed unless it takes too
+/// long to be repeated.
+fn median<T>(mut frame: impl FnMut() -> T) -> (T, f64) {
+    let begin = Instant::now();
+    let mut timed = || {
+        let start = Instant::now();
+        let answer = frame();
+        (answer, start.elapsed().as_secs_f64())
+    };
+    let (answer, first) = timed();
+    let mut seconds = Vec::new();
+    while seconds.len() < FRAMES && begin.elapsed().as_secs_f64() < ENOUGH {
+        seconds.push(timed().1);
+    }
+    seconds.sort_by(f64::total_cmp);
+    (answer, seconds.get(seconds.len() / 2).copied().unwrap_or(first))
+}
+
+fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let count = values.len() as f64;
+    values.sum::<f64>() / count
+}
