@@ -1,15 +1,18 @@
 //! Virtual lights, radiosity by gathering and by shooting, against closed forms and the path tracer.
 
 mod common;
+#[path = "common/cut.rs"]
+mod cut;
 
 use common::{emission, empty, furnace, paint, rig, sheet, with};
+use cut::{by_rays, cut};
 use glam::Vec3;
-use radfile::Quiet;
+use radfile::{FormFactors, Quiet};
 use reference::{
     Sampling, Stop,
-    rivals::{InstantParams, InstantRadiosity, Rival, Setting},
+    rivals::{InstantParams, InstantRadiosity, PatchLight, Radiosity, Rival, Setting, Shooting, ShootingParams},
 };
-use scene::{LightRig, NO_TRIANGLE, Rays, Scene, SurfacePoint, Surfaces};
+use scene::{Folder, ImportOptions, LightRig, NO_TRIANGLE, Rays, Scene, SurfacePoint, Surfaces};
 
 /// Hands a setting to `work`.
 fn set<T>(scene: &Scene, receivers: &[SurfacePoint], work: impl FnOnce(Setting) -> T) -> T {
@@ -88,7 +91,6 @@ fn virtual_lights_of_every_kind_of_light_have_no_bias() {
         let noise = indirect.iter().map(|t| t.1 * t.1).sum::<f64>().sqrt() / at.len() as f64;
         let params = InstantParams { paths: 1024, nearest: 0.0, seed: 0 };
         let (found, error) = set(scene, &at, |setting| instant(setting, &rig, params, 16));
-        println!("{found} ± {error}, path tracer {wanted} ± {noise}");
         assert!(
             (found - wanted).abs() < 4.0 * error.hypot(noise),
             "{found} ± {error}, expected {wanted} ± {noise}: {rig:?}"
@@ -128,4 +130,84 @@ fn virtual_lights_light_a_furnace_as_the_closed_form_does() {
     assert!((found - wanted).abs() < 4.0 * error && error < 0.02 * wanted, "{found} ± {error}, expected {wanted}");
     let (clamped, _) = set(&scene, &at, |s| instant(s, &emission(), InstantParams { nearest: 4.0, ..params }, 16));
     assert!(clamped < 0.95 * wanted, "clamping loses light: {clamped}, {wanted} without");
+}
+
+const LIGHT: PatchLight = PatchLight { points: 16, samples: 4 };
+/// Nothing is left.
+const ALL: ShootingParams = ShootingParams { shots: 1 << 20, unshot: 1e-5, ambient: false };
+
+#[test]
+fn radiosity_in_a_furnace_is_the_closed_form_bounce_by_bounce() {
+    // Every patch sees all patches by their area, as on a sphere; all have E = π L.
+    let (rho, scene) = (0.6, furnace(0.6, 2.0, Vec3::new(1.0, 2.0, 3.0)));
+    let patches = cut(&scene, 0.4);
+    let (n, all) = (patches.len(), patches.area.iter().sum::<f32>());
+    let values = (0..n * n).map(|at| patches.area[at % n] / all).collect();
+    let f = FormFactors { values, sky: vec![0.0; n].into() };
+    let at = [receiver([0.5, 0.0, 1.0], Vec3::Y), receiver([0.0, 0.5, 1.5], Vec3::X)];
+    let close = |found: Vec<[f32; 3]>, share: f64| {
+        let wanted = share * rho / (1.0 - rho) * 2.0 * std::f64::consts::PI;
+        found.as_flattened().iter().for_each(|&x| assert!((f64::from(x) / wanted - 1.0).abs() < 1e-2, "{x}, {wanted}"));
+    };
+    set(&scene, &at, |setting| {
+        for bounces in [1, 2, 5, 40] {
+            let found = Radiosity::new(setting, &patches, &f, bounces, LIGHT).indirect(&emission(), &Quiet);
+            close(found, 1.0 - rho.powi(bounces as i32));
+        }
+        close(Shooting::new(setting, &patches, &f, ALL, LIGHT).indirect(&emission(), &Quiet), 1.0);
+        // Before the first shot all that there is is the ambient term.
+        let none = ShootingParams { shots: 0, unshot: 0.0, ambient: true };
+        close(Shooting::new(setting, &patches, &f, none, LIGHT).indirect(&emission(), &Quiet), 1.0);
+    });
+}
+
+struct Disk(std::path::PathBuf);
+
+impl Folder for Disk {
+    fn read(&self, name: &str) -> std::io::Result<Vec<u8>> {
+        std::fs::read(self.0.join(name))
+    }
+
+    fn list(&self, _folder: &str) -> Vec<String> {
+        vec![]
+    }
+}
+
+#[test]
+fn all_agree_with_the_path_tracer_in_the_cornell_box() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/cornell");
+    let options = ImportOptions { one_sided: true };
+    let (scene, _) = scene::import("cornell.obj", &Disk(folder.clone()), options).expect("the box");
+    let patches = cut(&scene, 0.002);
+    let f = by_rays(&scene.mesh, &patches, 512);
+    let at: Vec<SurfacePoint> = (0..patches.len())
+        .step_by(patches.len() / 40)
+        .map(|i| receiver(patches.position[i], Vec3::from(patches.normal[i])))
+        .collect();
+    for name in ["lamp.json", "point.json"] {
+        let rig = LightRig::from_json(&std::fs::read_to_string(folder.join(name)).expect("lights")).expect("lights");
+        let [_, indirect] = truth(&scene, &rig, &at, 1 << 11);
+        let wanted: Vec<f64> = indirect.iter().map(|t| t.0).collect();
+        let noise = indirect.iter().map(|t| t.1 * t.1).sum::<f64>().sqrt() / at.len() as f64;
+        let level = mean(&wanted);
+        let rms = |found: &[f64], wanted: &[f64]| {
+            (found.iter().zip(wanted).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / found.len() as f64).sqrt() / level
+        };
+        set(&scene, &at, |setting| {
+            let gathered =
+                |bounces| grey(&Radiosity::new(setting, &patches, &f, bounces, LIGHT).indirect(&rig, &Quiet));
+            let (many, one) = (gathered(24), gathered(1));
+            assert!(rms(&many, &wanted) < 0.15 && (mean(&many) / level - 1.0).abs() < 0.03, "{many:?}, {wanted:?}");
+            assert!(mean(&one) < 0.9 * level, "one bounce is not all");
+            let shot = grey(&Shooting::new(setting, &patches, &f, ALL, LIGHT).indirect(&rig, &Quiet));
+            assert!(rms(&shot, &many) < 1e-3, "shooting is not gathering: {}", rms(&shot, &many));
+
+            let params = InstantParams { paths: 1024, nearest: 0.0, seed: 0 };
+            let (found, error) = instant(setting, &rig, params, 16);
+            assert!((found - level).abs() < 4.0 * error.hypot(noise), "{found} ± {error}, expected {level} ± {noise}");
+            assert!(error < 0.02 * level, "{found} ± {error} shows nothing");
+            let (clamped, _) = instant(setting, &rig, InstantParams { nearest: 0.5, ..params }, 16);
+            assert!(clamped < 0.95 * found, "clamping loses light: {clamped}, {found} without");
+        });
+    }
 }

@@ -5,10 +5,16 @@
 //! current rayon pool.
 
 mod instant;
+mod on_patches;
+mod radiosity;
 mod setting;
+mod shooting;
 
 pub use instant::{InstantParams, InstantRadiosity};
+pub use on_patches::PatchLight;
+pub use radiosity::Radiosity;
 pub use setting::{Lights, Setting};
+pub use shooting::{Shooting, ShootingParams};
 
 use radfile::Progress;
 use scene::LightRig;
