@@ -29,6 +29,17 @@ pub struct AreaLights<'a> {
     triangle_density: Vec<f32>,
 }
 
+/// A point of a light with extent, chosen among all in proportion to their power.
+#[derive(Clone, Copy, Debug)]
+pub struct Glow {
+    /// Local axes, metres; raised off its surface.
+    pub position: Vec3,
+    /// Unit normal of the side that emits.
+    pub normal: Vec3,
+    /// Radiance over the density of such points, W/sr: over many of them its mean is radiance integrated over area.
+    pub power: Vec3,
+}
+
 /// A flat light, raised off its own plane so that what it lies on does not hide it.
 struct Emitter {
     corner: Vec3,
@@ -121,6 +132,16 @@ impl<'a> AreaLights<'a> {
         }
         let light = self.radiance(emitter, u, v) * balanced(facing, emitter.density * square / leaving);
         if light != Vec3::ZERO && rays.visible(at, target) { light } else { Vec3::ZERO }
+    }
+
+    /// A point on a light, which the three numbers choose; `None` where there are no such lights.
+    pub fn glow(&self, place: [f32; 3]) -> Option<Glow> {
+        let (emitter, u, v) = self.place(place)?;
+        Some(Glow {
+            position: emitter.at(u, v),
+            normal: emitter.normal,
+            power: self.radiance(emitter, u, v) / emitter.density,
+        })
     }
 
     /// The other way: from what is seen in `direction`, chosen with density cos θ / π, where the ray ends at `hit`.

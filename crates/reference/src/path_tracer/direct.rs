@@ -6,7 +6,7 @@ use glam::Vec3;
 use scene::{Rays, SurfacePoint};
 
 use super::{
-    PathTracer, Vertex,
+    Glow, PathTracer, Vertex,
     random::{Group, PathNumbers, cosine_direction},
 };
 
@@ -48,6 +48,14 @@ impl PathTracer<'_> {
             self.area.chosen(&at, &rays, [pick, light_x, light_y]) + self.area.met(&at, direction, hit.as_ref()) + sky
         };
         lamps + (0..numbers.samples).map(one).sum::<Vec3>() / numbers.samples.max(1) as f32
+    }
+
+    /// A point on a quad or an emitting surface; `None` where none shines. `path` counts points.
+    pub fn glow(&self, seed: u32, path: u32) -> Option<Glow> {
+        let numbers = PathNumbers { batch: seed, path };
+        let [_, _, x, y] = numbers.at(0, Group::Directions);
+        let [pick, ..] = numbers.at(0, Group::Choices);
+        self.area.glow([pick, x, y])
     }
 
     /// The rays that lights are sampled with.

@@ -27,6 +27,7 @@ use area_lights::AreaLights;
 use emission::Photon;
 use lamps::Lamps;
 
+pub use area_lights::Glow;
 pub use direct::DirectNumbers;
 pub use landings::Landing;
 pub use picture::{Picture, PictureReport};

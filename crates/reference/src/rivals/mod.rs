@@ -4,12 +4,16 @@
 //! product than [`crate::PathTracer`] does. All see the same scene, lights and receivers, and use all threads of the
 //! current rayon pool.
 
+mod cones;
+mod harmonics;
 mod instant;
 mod on_patches;
 mod radiosity;
 mod setting;
 mod shooting;
 
+pub use cones::{ConeParams, VoxelCones};
+pub use harmonics::{Harmonics, HarmonicsParams};
 pub use instant::{InstantParams, InstantRadiosity};
 pub use on_patches::PatchLight;
 pub use radiosity::Radiosity;

@@ -7,7 +7,7 @@ use scene::{LightRig, Rays, Scene, SurfacePoint, Surfaces};
 
 use crate::{
     PathTracer,
-    path_tracer::{DirectNumbers, Landing, Vertex},
+    path_tracer::{DirectNumbers, Glow, Landing, Vertex},
 };
 
 /// A scene and the points of its surfaces whose irradiance is asked for.
@@ -48,5 +48,10 @@ impl Lights<'_> {
     /// for a grid. `seed` chooses the paths.
     pub(crate) fn landings(&self, paths: u32, bounces: u32, seed: u32) -> Vec<Landing> {
         self.0.landings(paths, bounces, seed)
+    }
+
+    /// Points of quads and emitting surfaces, `samples` of them or none, in proportion to their power; `seed` chooses them.
+    pub(crate) fn glows(&self, samples: u32, seed: u32) -> Vec<Glow> {
+        (0..samples).map_while(|path| self.0.glow(seed, path)).collect()
     }
 }
