@@ -35,7 +35,8 @@ fn instant(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
 }
 
 fn instant_clamped(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    instant_of(ground, judge, CLAMP * ground.diagonal())
+    // To the millimetre, so that it can be read.
+    instant_of(ground, judge, (1e3 * CLAMP * ground.diagonal()).ceil() / 1e3)
 }
 
 fn instant_of(ground: &Ground, judge: &mut Judge, nearest: f32) -> anyhow::Result<()> {

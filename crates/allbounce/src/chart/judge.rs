@@ -76,7 +76,7 @@ impl<'a> Judge<'a> {
         let (change, name) = (mean(seconds.into_iter()), rival.name());
         let entry = Entry {
             method: self.label,
-            settings: name.strip_prefix(self.label).unwrap_or(&name).trim_start_matches(", ").to_owned(),
+            settings: settings(self.label, &name).to_owned(),
             change_ms: 1e3 * change,
             frame_ms: 1e3 * (change + self.direct_seconds),
             bytes: rival.bytes(),
@@ -95,6 +95,12 @@ impl<'a> Judge<'a> {
         self.entries.push(entry);
         Ok(())
     }
+}
+
+/// What a name says beside the family that the label starts with: `1024 paths` of `instant radiosity, 1024 paths`.
+fn settings<'b>(label: &str, name: &'b str) -> &'b str {
+    let family = label.split(", ").next().unwrap_or(label);
+    name.strip_prefix(family).and_then(|rest| rest.strip_prefix(", ")).unwrap_or(name)
 }
 
 /// Direct irradiance of the receivers.
