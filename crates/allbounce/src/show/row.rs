@@ -125,8 +125,8 @@ fn bar(patch: u32, largest: f32) -> ColourBar {
     // Powers of ten, and the largest itself where it is not next to one.
     let top = f64::from(largest).log10();
     // A patch that sees nothing has no scale.
-    let decades = if largest > 0.0 { 0..=DECADES } else { 0..=-1 };
-    let mut ticks: Vec<(f64, String)> = decades
+    let decades = if largest > 0.0 { DECADES + 1 } else { 0 };
+    let mut ticks: Vec<(f64, String)> = (0..decades)
         .map(|k| top.floor() as i32 - k)
         .filter(|power| f64::from(*power) >= top - f64::from(DECADES))
         .map(|power| (along(10f32.powi(power), largest), numbers::percent(10f64.powi(power))))
