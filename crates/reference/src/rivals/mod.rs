@@ -7,16 +7,20 @@
 mod cones;
 mod harmonics;
 mod instant;
+mod lpv;
 mod on_patches;
 mod radiosity;
+mod rsm;
 mod setting;
 mod shooting;
 
 pub use cones::{ConeParams, VoxelCones};
 pub use harmonics::{Harmonics, HarmonicsParams};
 pub use instant::{InstantParams, InstantRadiosity};
+pub use lpv::{LightPropagationVolumes, VolumeParams};
 pub use on_patches::PatchLight;
 pub use radiosity::Radiosity;
+pub use rsm::{ReflectiveShadowMaps, ShadowMapParams};
 pub use setting::{Lights, Setting};
 pub use shooting::{Shooting, ShootingParams};
 
