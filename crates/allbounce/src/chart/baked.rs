@@ -27,7 +27,9 @@ pub struct Recipe {
 pub struct Dense {
     pub container: Container,
     pub patches: Patches,
-    /// What it took to make.
+    /// What it took up to the form factors.
+    pub factors_seconds: f64,
+    /// What all of it took.
     pub seconds: f64,
 }
 
@@ -60,11 +62,12 @@ pub fn bake(recipe: &Recipe, setting: &Setting, session: &Session) -> anyhow::Re
     session.ask_memory("the bake", need, "leave the method out (--methods)")?;
     let params = formfactor::Params { budget, seed: 1 };
     let factors = kept(|sink| Ok(formfactor::run(&simple, &params, step("formfactor"), &progress, sink).map(drop)?))?;
+    let factors_seconds = session.seconds() - start;
     let summed = kept(|sink| Ok(series::run(&factors, &recipe.series, step("series"), &progress, sink).map(drop)?))?;
     let params = permute::Params { order: recipe.order };
     let container = kept(|sink| Ok(permute::run(&summed, &params, step("permute"), &progress, sink).map(drop)?))?;
     let patches = Patches::read(&container)?;
-    Ok(Dense { container, patches, seconds: session.seconds() - start })
+    Ok(Dense { container, patches, factors_seconds, seconds: session.seconds() - start })
 }
 
 /// Provenance that nobody reads: the containers stay in memory.
