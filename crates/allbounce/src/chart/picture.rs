@@ -49,11 +49,11 @@ fn chart(report: &Report, title: &str, label: &str, x: &dyn Fn(&Entry) -> f64) -
     }
 }
 
-/// Black is the front's.
+/// Colour and shape, together of one method alone. Black is the front's.
 fn style(number: usize) -> (usize, Marker) {
     let others = COLOURS - 1;
     let colour = number % others;
-    (if colour >= 4 { colour + 1 } else { colour }, SHAPES[(number / others + number) % SHAPES.len()])
+    (if colour >= 4 { colour + 1 } else { colour }, SHAPES[(number + 2 * (number / others)) % SHAPES.len()])
 }
 
 /// A logarithmic axis over the values with some room beside them.
@@ -61,4 +61,16 @@ fn axis(label: &str, values: impl Iterator<Item = f64>) -> Axis {
     let [least, most] = values.fold([f64::INFINITY, 0.0f64], |[a, b], v| [a.min(v), b.max(v)]);
     let range = if most > 0.0 { [least / 1.5, most * 1.5] } else { [0.1, 1.0] };
     Axis { label: label.into(), scale: Scale::Log, range, ticks: Ticks::Plain }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ALL, style};
+
+    #[test]
+    fn no_two_methods_look_alike() {
+        for a in 0..ALL.len() {
+            assert!((0..a).all(|b| style(a) != style(b)), "{}", ALL[a].label);
+        }
+    }
 }
