@@ -13,7 +13,8 @@ pub fn text(figures: &[Figure]) -> String {
          C-13 and C-15), and the truth is a refined solution with an error bound (`tests/src/charts/judge.rs`). \
          The axis of reflectances is that of 1 / (1 − ρ), the gain of all bounces together.\n\n\
          Charts of operators, at the end, are of whole scenes: `make bench` measures them, and their sentences are about \
-         its record in `bench/record/`.\n",
+         its record in `bench/record/`.\n\n\
+         Speed against accuracy of every method, by `make rival-charts`: [Cornell box](rivals-cornell.md).\n",
     );
     for figure in figures {
         let (name, title) = (figure.name, &figure.chart.title);
