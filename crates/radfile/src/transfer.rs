@@ -82,12 +82,13 @@ pub struct FineMesh {
 }
 
 impl FineMesh {
-    /// Takes the given receivers from all corners.
+    /// Takes the given receivers from corners of triangles whose side has others left.
     pub fn drop_receivers(&mut self, dropped: &[u32]) {
         let dropped: std::collections::HashSet<u32> = dropped.iter().copied().collect();
-        for corner in self.receiver.as_flattened_mut().as_flattened_mut() {
-            if dropped.contains(corner) {
-                *corner = NO_RECEIVER;
+        for corners in self.receiver.as_flattened_mut() {
+            let is_left = |corner: &u32| *corner != NO_RECEIVER && !dropped.contains(corner);
+            if corners.iter().any(is_left) {
+                corners.iter_mut().filter(|c| dropped.contains(c)).for_each(|c| *c = NO_RECEIVER);
             }
         }
     }

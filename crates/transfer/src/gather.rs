@@ -40,6 +40,11 @@ const NEAR: u32 = 16;
 
 /// A receiver of which less than this share of the rays meets anything lies inside of something.
 const BURIED: f32 = 0.05;
+/// Where less than this share meets front sides or the sky, it lies inside of a solid; back sides may have patches.
+const FRONTS: f32 = 0.02;
+/// Where at least this share does, it is in the open; if no more than some receivers are, the scene is inside out.
+const OPEN: f32 = 0.75;
+const WOUND: f32 = 0.1;
 
 /// What light is gathered from.
 #[derive(Clone, Copy)]
@@ -71,7 +76,7 @@ pub fn gather_for_points(
     params: &GatherParams,
     progress: &dyn Progress,
 ) -> PointRows {
-    let (rows, sky) = form_factors(senders, points, params, progress);
+    let FormFactors { rows, sky, .. } = form_factors(senders, points, params, progress);
     PointRows::Gathered { rows, sky }
 }
 
@@ -91,7 +96,7 @@ pub fn pack(
     error: f64,
     progress: &dyn Progress,
 ) -> Result<(Gathered, report::Gathered)> {
-    let (rows, sky) = form_factors(senders, points, params, progress);
+    let FormFactors { rows, sky, fronts } = form_factors(senders, points, params, progress);
     let vectors = |f: fn(&SurfacePoint) -> [f32; 3]| points.iter().map(f).collect::<Vec<_>>();
     let (position, normal) = (vectors(|p| p.position.to_array()), vectors(|p| p.normal.to_array()));
     let receivers = hmatrix::Receivers { position: &position, normal: &normal };
@@ -112,7 +117,7 @@ pub fn pack(
         elements: elements.len(),
         rays: params.rays,
         mean_row: rows.sender.len() as f64 / points.len().max(1) as f64,
-        buried: buried(&rows, &sky),
+        buried: buried(&rows, &sky, &fronts),
         bytes: packed.to_bytes().len(),
         bytes_per_receiver: packed.to_bytes().len() as f64 / points.len().max(1) as f64,
         error_wanted: error,
@@ -129,10 +134,23 @@ pub fn pack(
     Ok((Gathered { certificate, stream: packed.to_bytes().to_vec(), sky }, report))
 }
 
-/// Receivers whose rays hardly meet a patch or the sky: they lie inside of something, which no light enters.
-fn buried(rows: &Rows, sky: &[f32]) -> Vec<u32> {
+/// Receivers inside of something, which no light enters: their rays hardly meet a patch or the sky, or only back sides.
+///
+/// Of a scene that is wound the wrong way all show their backs; there, these tell nothing.
+fn buried(rows: &Rows, sky: &[f32], fronts: &[f32]) -> Vec<u32> {
+    let wound = fronts.iter().filter(|&&f| f >= OPEN).count() as f32 >= WOUND * rows.len() as f32;
     let met = |r: usize| sky[r] + rows.row(r).map(|(_, share)| share).sum::<f32>();
-    (0..rows.len()).filter(|&r| met(r) < BURIED).map(|r| r as u32).collect()
+    (0..rows.len()).filter(|&r| met(r) < BURIED || wound && fronts[r] < FRONTS).map(|r| r as u32).collect()
+}
+
+/// What points see, as shares of their views.
+struct FormFactors {
+    /// Patches and elements.
+    rows: Rows,
+    /// The sky.
+    sky: Vec<f32>,
+    /// Front sides and the sky.
+    fronts: Vec<f32>,
 }
 
 /// The middle of the points of each element.
@@ -144,13 +162,12 @@ fn middles(elements: &Elements) -> Vec<[f32; 3]> {
     elements.point_start.windows(2).map(middle).collect()
 }
 
-/// Rows over patches and elements, and the sky.
 fn form_factors(
     senders: &Senders,
     points: &[SurfacePoint],
     params: &GatherParams,
     progress: &dyn Progress,
-) -> (Rows, Vec<f32>) {
+) -> FormFactors {
     assert_eq!(senders.elements.patches(), senders.patches.len(), "the elements of these patches");
     progress.begin("last gather", points.len() as u64);
     let gather = |counts: &mut Vec<u32>, (number, point): (usize, &SurfacePoint)| {
@@ -160,15 +177,16 @@ fn form_factors(
         seen
     };
     let seen = points.par_iter().enumerate().map_init(|| vec![0; senders.elements.len()], gather);
-    let (rows, sky): (Vec<Row>, Vec<f32>) = seen.unzip();
-    (join(rows), sky)
+    let (rows, (sky, fronts)): (Vec<Row>, (Vec<f32>, Vec<f32>)) = seen.unzip();
+    FormFactors { rows: join(rows), sky, fronts }
 }
 
 impl Senders<'_> {
-    /// Sends the rays of one point; `counts` is zero before and after.
-    fn seen_by(&self, point: &SurfacePoint, sobol: &Sobol, count: u32, counts: &mut [u32]) -> (Row, f32) {
+    /// Sends the rays of one point; `counts` is zero before and after. Returns the shares of senders, and those of the sky
+    /// and of fronts or the sky.
+    fn seen_by(&self, point: &SurfacePoint, sobol: &Sobol, count: u32, counts: &mut [u32]) -> (Row, (f32, f32)) {
         let origin = self.rays.off_surface(point.position, point.normal);
-        let (mut met, mut escaped) = (Vec::new(), 0);
+        let (mut met, mut escaped, mut fronts) = (Vec::new(), 0, 0);
         for k in 0..count {
             let [u, v, ..] = sobol.sample(k);
             let direction = cosine_direction(point.normal, u, v);
@@ -176,6 +194,8 @@ impl Senders<'_> {
                 escaped += 1;
                 continue;
             };
+            // Faces with even numbers are front sides.
+            fronts += u32::from(landing.face.is_multiple_of(2));
             let Some(patch) = landing.patch else { continue };
             let element = self.elements.at(patch as usize, landing.position.to_array());
             if counts[element as usize] == 0 {
@@ -184,7 +204,7 @@ impl Senders<'_> {
             counts[element as usize] += 1;
         }
         let share = |hits: u32| hits as f32 / count.max(1) as f32;
-        (Row { entries: self.entries(met, counts, share), ..Row::default() }, share(escaped))
+        (Row { entries: self.entries(met, counts, share), ..Row::default() }, (share(escaped), share(escaped + fronts)))
     }
 
     /// Weights of the (patch, element) pairs that were met, far patches as a whole; takes the counts back to zero.

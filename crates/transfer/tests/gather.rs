@@ -81,3 +81,32 @@ fn rows_are_the_same_for_any_number_of_threads() {
     let params = GatherParams { rays: 256, ..GatherParams::default() };
     assert!((one.0.sender.len() * entry) as u64 <= gather_memory_needed(points.len(), 2 * patches.len(), &params));
 }
+
+/// A box of outer walls that are seen from without and from within.
+fn block(maker: &mut Maker, low: Vec3, size: Vec3) {
+    let [x, y, z] = [Vec3::X * size.x, Vec3::Y * size.y, Vec3::Z * size.z];
+    for (u, v, w) in [(x, y, z), (y, z, x), (z, x, y)] {
+        maker.sheet(low + w, u, v, [1, 1], &[Side::Front, Side::Back]);
+        maker.sheet(low, v, u, [1, 1], &[Side::Front, Side::Back]);
+    }
+}
+
+/// The inside of a solid has patches, and a floor runs on below it. Of a room that is wound the wrong way, which looks like
+/// a solid from inside, no place is buried.
+#[test]
+fn a_floor_is_buried_where_a_solid_stands_on_it_and_not_for_being_in_a_room_of_backs() {
+    let buried = |build: fn(&mut Maker)| {
+        let mut maker = Maker::new(0.5);
+        build(&mut maker);
+        block(&mut maker, Vec3::new(1.0, 0.0, 1.0), Vec3::new(0.8, 0.5, 0.6));
+        let (mesh, patches) = maker.finish();
+        let floor = [[1.02, 1.3], [1.4, 1.02], [1.79, 1.59], [0.98, 1.3], [1.4, 0.98], [1.81, 1.61], [0.2, 2.8]];
+        let points = floor.map(|[x, z]| point(Vec3::new(x, 0.0, z), Vec3::Y));
+        let (elements, rays) = (Elements::whole(&patches), Rays::new(&mesh));
+        let senders = Senders { patches: &patches, elements: &elements, rays: &rays };
+        let params = GatherParams { rays: 1024, ..GatherParams::default() };
+        transfer::pack(&senders, &points, &params, 0.01, &Quiet).expect("sound").1.buried
+    };
+    assert_eq!(buried(|maker| maker.room(Vec3::ZERO, Vec3::splat(3.0), [1; 3])), [0, 1, 2]);
+    assert_eq!(buried(|maker| block(maker, Vec3::ZERO, Vec3::splat(3.0))), [0u32; 0]);
+}
