@@ -69,8 +69,8 @@ mod tests {
 
     #[test]
     fn no_two_methods_look_alike() {
-        for a in 0..ALL.len() {
-            assert!((0..a).all(|b| style(a) != style(b)), "{}", ALL[a].label);
+        for (a, method) in ALL.iter().enumerate() {
+            assert!((0..a).all(|b| style(a) != style(b)), "{}", method.label);
         }
     }
 }
