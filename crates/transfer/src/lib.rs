@@ -41,7 +41,7 @@ pub use points::rows_for_points as interpolate_for_points;
 pub use report::{Gathered, Interpolated, Report};
 pub use stage::{memory_needed, run};
 pub use texels::{LightmapParams, lightmap};
-pub use volume::{VolumeParams, volume};
+pub use volume::{VolumeParams, probe_receivers, volume};
 
 use radfile::{Mesh, Patches, Progress, Transfer, Weights};
 use rayon::prelude::*;

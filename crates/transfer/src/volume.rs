@@ -92,8 +92,7 @@ pub fn volume(
     }
     volume.position = volume.cell.iter().map(|&cell| places[cell as usize].to_array()).collect();
     volume.probe = shown(&volume, senders.rays, &places);
-    let own: Vec<Vec3> = volume.cell.iter().map(|&cell| places[cell as usize]).collect();
-    let (gathered, numbers) = pack(senders, &points(&own), &params.gather, params.gather_error, progress)?;
+    let (gathered, numbers) = pack(senders, &probe_receivers(&volume), &params.gather, params.gather_error, progress)?;
     let report = report::Volume {
         count: volume.count,
         spacing: volume.spacing,
@@ -108,12 +107,13 @@ fn place(volume: &Volume, cell: usize) -> Vec3 {
     Vec3::from(volume.middle(cell)) + ASIDE * Vec3::from(volume.spacing)
 }
 
-/// The six receivers of every place.
-fn points(places: &[Vec3]) -> Vec<SurfacePoint> {
-    let six = |&position: &Vec3| {
+/// The six receivers of every probe, as [`Volume::NORMALS`] has them.
+pub fn probe_receivers(volume: &Volume) -> Vec<SurfacePoint> {
+    let six = |position: &[f32; 3]| {
+        let position = Vec3::from(*position);
         Volume::NORMALS.map(|normal| SurfacePoint { position, normal: normal.into(), triangle: NO_TRIANGLE })
     };
-    places.iter().flat_map(six).collect()
+    volume.position.iter().flat_map(six).collect()
 }
 
 /// For every cell the probe whose light it shows: its own; one whose light leaves the solid that the place lies in by

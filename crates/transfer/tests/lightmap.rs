@@ -1,15 +1,15 @@
 //! Lightmaps: what their texels gather, the scene's own coordinates, the container entry.
 
 mod common;
+mod staged;
 
 use common::Maker;
 use glam::Vec3;
 use hmatrix::Rectangle;
-use radfile::{
-    Builder, Container, Elements, Gathered, Lightmap, Material, Materials, Mesh, Patches, Quiet, Record, Side, Step,
-};
-use scene::{Rays, Scene};
-use transfer::{Error, LightmapParams, Mode, Params, Report, Senders, lightmap, run};
+use radfile::{Container, Elements, Gathered, Lightmap, Mesh, Patches, Quiet, Record, Side};
+use scene::Rays;
+use staged::{again, container};
+use transfer::{Error, LightmapParams, Mode, Params, Report, Senders, lightmap};
 
 /// Two closed rooms side by side, behind a wall without thickness.
 fn rooms() -> (Mesh, Patches) {
@@ -78,36 +78,13 @@ fn coordinates_of_the_scene_are_taken_where_they_are_a_lightmaps() {
     assert!(!own && coordinates.starts_with("unwrapped; those of the scene file are no lightmap's: "), "{coordinates}");
 }
 
-fn staged(params: &Params) -> Result<(Container, Report), Error> {
-    let (mesh, patches) = rooms();
-    let material = Material {
-        name: "grey".into(),
-        reflectance: [0.5; 3],
-        reflectance_texture: None,
-        emission: [0.0; 3],
-        emission_texture: None,
-    };
-    let materials = Materials { materials: vec![material], textures: vec![] };
-    let scene = Scene { mesh, materials, ..Scene::default() };
-    let mut builder = Builder::new();
-    scene.write(&mut builder);
-    patches.write(&mut builder);
-    again(&builder.finish().expect("legal"), params)
-}
-
-fn again(input: &Container, params: &Params) -> Result<(Container, Report), Error> {
-    let step = Step { stage: "transfer".into(), version: "0".into(), options: String::new(), inputs: vec![] };
-    let mut made = None;
-    let report = run(input, params, step, &Quiet, &mut |b| {
-        made = Some(b.finish()?);
-        Ok(())
-    })?;
-    Ok((made.expect("the sink was called"), report))
+fn of_rooms(params: &Params) -> Result<(Container, Report), Error> {
+    again(&container(rooms()), params)
 }
 
 #[test]
 fn the_stage_adds_a_lightmap_and_a_later_run_without_one_drops_it() {
-    let (made, report) = staged(&params(600)).expect("the rooms are sound");
+    let (made, report) = of_rooms(&params(600)).expect("the rooms are sound");
     let texels = Lightmap::read(&made).expect("legal");
     let gathered = Gathered::read(&made, Lightmap::PREFIX, texels.receivers()).expect("legal");
     let numbers = report.lightmap.expect("it was asked for");
@@ -119,7 +96,7 @@ fn the_stage_adds_a_lightmap_and_a_later_run_without_one_drops_it() {
 
 #[test]
 fn a_lightmap_is_not_interpolated() {
-    let error = staged(&Params { mode: Mode::Interpolate, ..params(600) }).err().expect("a refusal").to_string();
+    let error = of_rooms(&Params { mode: Mode::Interpolate, ..params(600) }).err().expect("a refusal").to_string();
     assert!(
         error.starts_with("a lightmap is only made where light is gathered; leave out --mode interpolate"),
         "{error}"

@@ -1,32 +1,22 @@
 //! The fine mesh, the container entry, what is refused, and sameness.
 
 mod common;
+mod staged;
 
 use std::collections::HashMap;
 
 use common::Maker;
 use glam::Vec3;
-use radfile::{Builder, Container, Elements, Material, Materials, Mesh, Patches, Quiet, Record, Step, Transfer};
-use scene::{Rays, Scene, Surfaces};
-use transfer::{Error, Mode, Params, Report, Senders, run, subdivide, transfer};
+use radfile::{Builder, Container, Elements, Mesh, Patches, Quiet, Record, Step, Transfer};
+use scene::{Rays, Surfaces};
+use staged::{again, grey};
+use transfer::{Error, Mode, Params, Report, Senders, subdivide, transfer};
 
 /// A closed room of unequal edges, cut into no more than its twelve triangles' worth of patches.
 fn room() -> (Mesh, Patches) {
     let mut maker = Maker::new(0.3);
     maker.room(Vec3::new(-0.7, 0.1, 0.3), Vec3::new(3.1, 1.7, 0.9), [1, 1, 1]);
     maker.finish()
-}
-
-/// One grey material for the mesh.
-fn grey(mesh: Mesh) -> Scene {
-    let material = Material {
-        name: "grey".into(),
-        reflectance: [0.5; 3],
-        reflectance_texture: None,
-        emission: [0.0; 3],
-        emission_texture: None,
-    };
-    Scene { mesh, materials: Materials { materials: vec![material], textures: vec![] }, ..Scene::default() }
 }
 
 fn with(params: Params) -> Result<(Transfer, Report), Error> {
@@ -86,11 +76,8 @@ fn absurd_sizes_are_refused_with_figure_and_remedy() {
     assert!(limited.contains("12 triangles before any is cut, the limit of fine triangles is 11"), "{limited}");
 }
 
-fn step() -> Step {
-    Step { stage: "transfer".into(), version: "0".into(), options: String::new(), inputs: vec![] }
-}
-
-fn container() -> Container {
+/// What stages before this one leave of the room, with a section of somebody else.
+fn with_guest() -> Container {
     let (mesh, patches) = room();
     let (scene, mut builder) = (grey(mesh), Builder::new());
     scene.write(&mut builder);
@@ -101,19 +88,13 @@ fn container() -> Container {
 
 #[test]
 fn the_stage_adds_its_record_and_hands_the_rest_through() {
-    let mut made = None;
     let params = Params { edge: Some(0.3), ..Params::default() };
-    let report = run(&container(), &params, step(), &Quiet, &mut |b| {
-        made = Some(b.finish()?);
-        Ok(())
-    })
-    .expect("the room is sound");
-    let made = made.expect("the sink was called");
+    let (made, report) = again(&with_guest(), &params).expect("the room is sound");
     let read = Transfer::read(&made).expect("the record is sound");
     assert_eq!(read.position.len(), report.receivers);
     assert_eq!(read, with(Params::default()).unwrap().0);
     assert!(made.has("guest.values") && made.has("patches.area"));
-    assert_eq!(radfile::Provenance::read(&made).unwrap().steps.last(), Some(&step()));
+    assert_eq!(radfile::Provenance::read(&made).unwrap().steps.last().map(|s| s.stage.as_str()), Some("transfer"));
 }
 
 #[test]
@@ -121,7 +102,7 @@ fn a_container_without_patches_is_refused_by_name() {
     let (mesh, _) = room();
     let mut builder = Builder::new();
     mesh.write(&mut builder);
-    let error = run(&builder.finish().unwrap(), &Params::default(), step(), &Quiet, &mut |_| Ok(())).unwrap_err();
+    let error = again(&builder.finish().unwrap(), &Params::default()).err().expect("there are no patches");
     assert_eq!(error.to_string(), "section patches.area is missing; it is written by `allbounce voxel-simplify`");
 }
 

@@ -1,18 +1,17 @@
 //! Irradiance volumes: what their probes gather, which have none, the container entry.
 
 mod common;
+mod staged;
 
 use std::f64::consts::PI;
 
 use common::Maker;
 use glam::Vec3;
 use hmatrix::Rectangle;
-use radfile::{
-    Builder, Container, Elements, Gathered, Material, Materials, Mesh, Patches, PointRows, Quiet, Record, Side, Step,
-    Volume,
-};
-use scene::{NO_TRIANGLE, Rays, Scene, SurfacePoint};
-use transfer::{Error, Mode, Params, Report, Senders, VolumeParams, gather_for_points, run, volume};
+use radfile::{Container, Elements, Gathered, Mesh, Patches, PointRows, Quiet, Record, Side, Volume};
+use scene::{NO_TRIANGLE, Rays, SurfacePoint};
+use staged::{again, container};
+use transfer::{Error, Mode, Params, Senders, VolumeParams, gather_for_points, volume};
 
 fn every(spacing: f32) -> VolumeParams {
     VolumeParams { spacing, ..VolumeParams::default() }
@@ -231,39 +230,16 @@ fn a_flat_scene_has_one_layer_of_cells() {
     assert_eq!(gathered.sky[up], 1.0);
 }
 
-fn again(input: &Container, params: &Params) -> Result<(Container, Report), Error> {
-    let step = Step { stage: "transfer".into(), version: "0".into(), options: String::new(), inputs: vec![] };
-    let mut made = None;
-    let report = run(input, params, step, &Quiet, &mut |b| {
-        made = Some(b.finish()?);
-        Ok(())
-    })?;
-    Ok((made.expect("the sink was called"), report))
-}
-
-fn container() -> Container {
+fn one_room() -> Container {
     let mut maker = Maker::new(0.5);
     maker.room(Vec3::ZERO, Vec3::ONE, [2; 3]);
-    let (mesh, patches) = maker.finish();
-    let material = Material {
-        name: "grey".into(),
-        reflectance: [0.5; 3],
-        reflectance_texture: None,
-        emission: [0.0; 3],
-        emission_texture: None,
-    };
-    let materials = Materials { materials: vec![material], textures: vec![] };
-    let mut builder = Builder::new();
-    let scene = Scene { mesh, materials, ..Scene::default() };
-    scene.write(&mut builder);
-    patches.write(&mut builder);
-    builder.finish().expect("legal")
+    container(maker.finish())
 }
 
 #[test]
 fn the_stage_adds_a_volume_and_a_later_run_without_one_drops_it() {
     let wanted = Params { volume: Some(every(0.5)), ..params() };
-    let (made, report) = again(&container(), &wanted).expect("the room is sound");
+    let (made, report) = again(&one_room(), &wanted).expect("the room is sound");
     let probes = Volume::read(&made).expect("legal");
     let gathered = Gathered::read(&made, Volume::PREFIX, probes.receivers()).expect("legal");
     assert_eq!(report.volume.expect("it was asked for").probes, probes.probes());
@@ -276,7 +252,7 @@ fn the_stage_adds_a_volume_and_a_later_run_without_one_drops_it() {
 #[test]
 fn a_volume_is_not_interpolated() {
     let wanted = Params { mode: Mode::Interpolate, volume: Some(every(0.5)), ..params() };
-    let error = again(&container(), &wanted).err().expect("a refusal").to_string();
+    let error = again(&one_room(), &wanted).err().expect("a refusal").to_string();
     assert!(error.starts_with("an irradiance volume is only made where light is gathered; leave out"), "{error}");
 }
 
@@ -285,7 +261,7 @@ fn the_number_of_threads_does_not_change_a_byte() {
     let wanted = Params { volume: Some(every(0.3)), ..params() };
     let bytes = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
-        pool.install(|| again(&container(), &wanted)).expect("the room is sound").0.as_bytes().to_vec()
+        pool.install(|| again(&one_room(), &wanted)).expect("the room is sound").0.as_bytes().to_vec()
     };
     assert_eq!(bytes(1), bytes(3));
 }

@@ -10,10 +10,8 @@
 use std::{f32::consts::PI, path::Path};
 
 use exr::prelude::f16;
-use glam::Vec3;
 use radfile::{Gathered, Record, Volume};
 use relight::Receivers;
-use scene::{NO_TRIANGLE, SurfacePoint};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -45,7 +43,7 @@ pub fn write(lit: &Lit, folder: &Path) -> anyhow::Result<Report> {
     let volume = Volume::read(&lit.bake.container)?;
     let gathered = Gathered::read(&lit.bake.container, Volume::PREFIX, volume.receivers())?;
     let receivers = Receivers::gathered(&gathered, lit.bake.elements.senders())?;
-    let irradiance = total(&lit.at(&points(&volume), &receivers)?);
+    let irradiance = total(&lit.at(&transfer::probe_receivers(&volume), &receivers)?);
     let cubes = volume.fill(&irradiance);
     let largest = irradiance.as_flattened().iter().fold(0.0f32, |m, &e| m.max(e));
     let intensity = intensity(largest / PI);
@@ -65,18 +63,6 @@ pub fn write(lit: &Lit, folder: &Path) -> anyhow::Result<Report> {
         largest_irradiance: largest,
         intensity,
     })
-}
-
-fn points(volume: &Volume) -> Vec<SurfacePoint> {
-    let six = |&position: &[f32; 3]| {
-        let facing = |normal: [f32; 3]| SurfacePoint {
-            position: Vec3::from(position),
-            normal: Vec3::from(normal),
-            triangle: NO_TRIANGLE,
-        };
-        Volume::NORMALS.map(facing)
-    };
-    volume.position.iter().flat_map(six).collect()
 }
 
 /// 1, or the power of two that brings the largest value into half precision.

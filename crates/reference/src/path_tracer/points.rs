@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::Vec3;
 use radfile::Progress;
-use scene::NO_TRIANGLE;
+use scene::{NO_TRIANGLE, SurfacePoint};
 use serde::Serialize;
 
 use super::{
@@ -107,7 +107,7 @@ impl PathTracer<'_> {
 
     fn receiver(&self, position: [f64; 3], normal: [f32; 3]) -> Vertex {
         let normal = Vec3::from(normal).normalize_or_zero();
-        Vertex { position: self.rays.off_surface(self.local(position), normal), normal, triangle: NO_TRIANGLE }
+        Vertex::above(self.rays, &SurfacePoint { position: self.local(position), normal, triangle: NO_TRIANGLE })
     }
 }
 

@@ -71,7 +71,7 @@ impl Rival for Radiosity<'_> {
     }
 }
 
-/// `to` = F times three vectors.
+/// `to` = F times three vectors; rows of F receive, columns send.
 fn product(values: &[f32], from: [&[f32]; 3], to: &mut [[f32; 3]]) {
     let (n, arch) = (to.len(), Arch::new());
     to.par_chunks_mut(ROWS).zip(values.par_chunks(ROWS * n.max(1))).for_each(|(to, rows)| {
