@@ -1,18 +1,22 @@
-//! Line charts as SVG and PNG, and colour bars of pictures.
+//! Line charts and sheets of pictures and bars as SVG and PNG, and colour bars of pictures.
 //!
 //! One kind of picture, on linear or logarithmic axes: a few named curves with markers, and a legend beside them.
 //! A chart is a value; [`Chart::svg`] and [`Chart::png`] draw it, and the same value gives the same bytes. kuva does
 //! the drawing; nothing outside this crate knows it. The eight colours are those of M. Okabe and K. Ito, "Color
-//! universal design" (2008), which every eye can tell apart.
+//! universal design" (2008), which every eye can tell apart. What is no curve, such as the entries of a matrix, stands on a
+//! [`Sheet`].
 
+mod base64;
 mod colour_bar;
 mod draw;
 mod error;
 mod front;
+mod sheet;
 
 pub use colour_bar::{BAR_HEIGHT, ColourBar, Colours};
 pub use error::Error;
 pub use front::front;
+pub use sheet::{Bar, Content, Key, PICTURE_PIXELS, Panel, Sheet};
 
 /// A chart with one pair of axes.
 #[derive(Clone, Debug)]
