@@ -90,8 +90,20 @@ fn cones_in_a_furnace_see_the_same_light_everywhere() {
     let (one, two) = (light(1), light(2));
     println!("furnace: {} and {} of the truth", one / (0.5 * PI), two / (0.75 * PI));
     // Known error: cones miss what is nearer than their start, and are not all held back by walls seen at a slant.
-    common::close(one, 0.5 * PI, 0.15);
-    common::close(two, 0.75 * PI, 0.15);
+    common::close(one, 0.5 * PI, 0.1);
+    common::close(two, 0.75 * PI, 0.12);
+}
+
+#[test]
+fn voxels_take_no_more_than_is_asked_for() {
+    let scene = furnace(0.5, 1.0, Vec3::new(1.0, 2.0, 3.0));
+    with(&scene, &[], |s| {
+        for resolution in [2, 17, 64] {
+            let params = ConeParams { resolution, ..ConeParams::default() };
+            let (need, has) = (VoxelCones::bytes_needed(&s, &params), VoxelCones::new(s, params).bytes());
+            assert!(has <= need && need < 12 * has, "{has} bytes of {need} at {resolution} cells");
+        }
+    });
 }
 
 #[test]
@@ -124,7 +136,7 @@ fn both_are_about_right_in_the_cornell_box() {
     let receivers = points(&scene, 300.0);
     with(&scene, &receivers, |setting| {
         let params = HarmonicsParams { centres: 32, paths: 256, ..harmonics() };
-        let cones = ConeParams { resolution: 32, ..ConeParams::default() };
+        let cones = ConeParams::default();
         let mut rivals: [Box<dyn Rival + '_>; 2] =
             [Box::new(Harmonics::new(setting, params, &Quiet)), Box::new(VoxelCones::new(setting, cones))];
         for lights in ["lamp", "point"] {
@@ -142,7 +154,7 @@ fn both_are_about_right_in_the_cornell_box() {
                 let squares = light.iter().zip(&wanted).map(|(a, b)| Vec3::from(*a).distance_squared(Vec3::from(*b)));
                 let rms = (squares.map(f64::from).sum::<f64>() / (3 * light.len()) as f64).sqrt() / mean(&wanted);
                 println!("{lights}, {}: bias {:+.0} %, RMS {:.0} %", rival.name(), 100.0 * bias, 100.0 * rms);
-                assert!(bias.abs() < 0.5 && rms < 0.8, "{lights}, {}: {bias} and {rms}", rival.name());
+                assert!(bias.abs() < 0.3 && rms < 0.5, "{lights}, {}: {bias} and {rms}", rival.name());
             }
         }
     });

@@ -4,7 +4,7 @@ mod common;
 
 use std::{fs, io, path::PathBuf};
 
-use common::{empty, paint, rig, sheet};
+use common::{empty, furnace, paint, rig, sheet};
 use glam::{DVec3, Vec3};
 use radfile::Quiet;
 use reference::{
@@ -108,10 +108,10 @@ fn where_nothing_is_hidden_shadow_maps_are_one_bounce() {
         })
         .collect();
     for light in lights {
-        // Maps of the sky are many and small.
-        let tolerance = if light.contains("sky") { 0.1 } else { 0.04 };
+        // Maps of the sky are many and small, and share the samples.
+        let tolerance = if light.contains("sky") { 0.05 } else { 0.04 };
         let make: Make = |setting| {
-            let params = ShadowMapParams { side: 512, samples: 8192, shared_maps: 256, offset: 1e-3, reach: 1.0 };
+            let params = ShadowMapParams { side: 1024, samples: 1 << 16, shared_maps: 256, offset: 1e-3, reach: 1.0 };
             Box::new(ReflectiveShadowMaps::new(setting, params))
         };
         let (found, truth) = both(&scene, &rig(light), &at, 1 << 14, make);
@@ -122,6 +122,22 @@ fn where_nothing_is_hidden_shadow_maps_are_one_bounce() {
             }
         }
     }
+}
+
+#[test]
+fn in_an_empty_room_shadow_maps_are_one_bounce() {
+    let room = furnace(0.5, 0.0, Vec3::ONE);
+    let bulb = rig(r#"{"type":"point","position":[0.3,0.6,0.4],"intensity":[1,1,1]}"#);
+    let at: Vec<SurfacePoint> = (0..36)
+        .flat_map(|k| {
+            let (a, b) = ((k % 6) as f32 / 6.0 + 0.08, (k / 6) as f32 / 6.0 + 0.08);
+            [receiver(Vec3::new(a, 0.0, b), Vec3::Y), receiver(Vec3::new(0.0, a, b), Vec3::X)]
+        })
+        .collect();
+    let make: Make = |setting| Box::new(ReflectiveShadowMaps::new(setting, ShadowMapParams::default()));
+    let (found, truth) = both(&room, &bulb, &at, 1024, make);
+    let share = mean_found(&found) / mean(truth.iter().map(|t| t.single.value));
+    assert!((share - 1.0).abs() < 0.02, "{share} of one bounce");
 }
 
 #[test]
@@ -143,12 +159,12 @@ fn shadow_maps<'a>(setting: Setting<'a>) -> Box<dyn Rival + 'a> {
 }
 
 fn volumes<'a>(setting: Setting<'a>) -> Box<dyn Rival + 'a> {
-    let params = VolumeParams { cells: 16, steps: 32, map_side: 64, ..VolumeParams::default() };
+    let params = VolumeParams { cells: 8, steps: 64, map_side: 64, ..VolumeParams::default() };
     Box::new(LightPropagationVolumes::new(setting, params))
 }
 
 #[test]
-fn in_the_cornell_box_unhidden_light_is_too_much_and_volumes_are_of_the_right_order() {
+fn in_the_cornell_box_unhidden_light_is_too_much_and_volumes_lose_some() {
     let (scene, rig, at) = cornell("point.json");
     let (found, truth) = both(&scene, &rig, &at, 256, shadow_maps);
     let single = mean(truth.iter().map(|t| t.single.value));
@@ -156,7 +172,7 @@ fn in_the_cornell_box_unhidden_light_is_too_much_and_volumes_are_of_the_right_or
     assert!(excess > 1.0 && excess < 1.5, "shadow maps give {excess} of one bounce: nothing stands in the way");
     let (found, truth) = both(&scene, &rig, &at, 256, volumes);
     let share = mean_found(&found) / mean(truth.iter().map(|t| t.indirect.value));
-    assert!(share > 0.5 && share < 2.0, "volumes give {share} of all bounces");
+    assert!(share > 0.75 && share < 1.1, "volumes give {share} of all bounces");
 }
 
 #[test]

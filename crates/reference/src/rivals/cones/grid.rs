@@ -1,7 +1,7 @@
 //! Surfaces as voxels: how much of each way they hide, what they reflect, and points at which light is injected.
 //!
 //! Source: C. Crassin, F. Neyret, M. Sainz, S. Green, E. Eisemann, Interactive indirect illumination using voxel cone
-//! tracing, Computer Graphics Forum 30(7), 2011, §4 (voxels of surfaces) and §4.3 (six directional values).
+//! tracing, Computer Graphics Forum 30(7), 2011: voxels of surfaces, with six directional values.
 //! Cells without surfaces take 4 bytes of an array; the rest is stored for the others alone.
 
 use glam::{IVec3, Vec3};
@@ -59,6 +59,9 @@ pub fn outward(face: usize) -> Vec3 {
 }
 
 impl Level {
+    /// Of a voxel: cell, opacity, place and area.
+    pub const BYTES_A_VOXEL: usize = size_of::<IVec3>() + size_of::<[f32; FACES]>() + 2 * size_of::<Vec3>();
+
     /// Without any surface.
     pub fn empty(dims: IVec3) -> Level {
         let dims = dims.max(IVec3::ONE);
@@ -105,14 +108,8 @@ impl Level {
 impl Grid {
     /// `resolution` cells along the longest edge of the scene, cubes all; up to `kept` points a voxel.
     pub fn new(setting: &Setting, resolution: u32, kept: u32) -> Grid {
-        let corners = setting.scene.mesh.positions.iter().map(|p| Vec3::from(*p));
-        let low = corners.clone().reduce(Vec3::min).unwrap_or_default();
-        let size = corners.reduce(Vec3::max).unwrap_or_default() - low;
-        // Outer walls lie in the middle of their cells.
-        let edge = (size.max_element() / resolution.saturating_sub(1).max(1) as f32).max(f32::MIN_POSITIVE);
-        let dims = (size / edge + 0.5).floor().as_ivec3() + 1;
-        let (low, finest) = (low - 0.5 * edge, Level::empty(dims));
-        let mut grid = Grid { low, edge, finest, reflectance: vec![], points: vec![] };
+        let (low, edge, dims) = layout(setting, resolution);
+        let mut grid = Grid { low, edge, finest: Level::empty(dims), reflectance: vec![], points: vec![] };
         let counts = grid.cover(setting);
         grid.keep(setting, &counts, kept.max(1));
         grid
@@ -170,7 +167,7 @@ impl Grid {
             let across = (b - a).cross(c - a);
             let Some(normal) = across.try_normalize() else { continue };
             let area = 0.5 * across.length();
-            let count = (DENSITY * area / (self.edge * self.edge)).ceil().max(1.0);
+            let count = samples(area, self.edge);
             let (sobol, triangle) = (Sobol::new(triangle as u32), triangle as u32);
             for number in 0..count as u32 {
                 let [x, y, ..] = sobol.sample(number);
@@ -183,6 +180,57 @@ impl Grid {
             }
         }
     }
+}
+
+/// Corner of the first cell, edge of a cell, and numbers of cells, `resolution` of which lie along the longest side of the
+/// scene.
+fn layout(setting: &Setting, resolution: u32) -> (Vec3, f32, IVec3) {
+    let corners = setting.scene.mesh.positions.iter().map(|p| Vec3::from(*p));
+    let low = corners.clone().reduce(Vec3::min).unwrap_or_default();
+    let size = corners.reduce(Vec3::max).unwrap_or_default() - low;
+    // Outer walls lie in the middle of their cells.
+    let edge = (size.max_element() / resolution.saturating_sub(1).max(1) as f32).max(f32::MIN_POSITIVE);
+    (low - 0.5 * edge, edge, (size / edge + 0.5).floor().as_ivec3() + 1)
+}
+
+/// What a grid and its coarser levels hold at most.
+pub struct Most {
+    /// Cells of all levels.
+    pub cells: u64,
+    /// Voxels of all levels.
+    pub voxels: u64,
+    /// Voxels of the finest level.
+    pub finest: u64,
+}
+
+/// Upper bounds for `resolution` cells along the longest side of the scene.
+pub fn most(setting: &Setting, resolution: u32) -> Most {
+    let (_, edge, mut dims) = layout(setting, resolution);
+    let mesh = &setting.scene.mesh;
+    let of_triangle = |triangle: usize| {
+        let [a, b, c] = mesh.corners(triangle).map(Vec3::from);
+        let area = 0.5 * (b - a).cross(c - a).length();
+        let around = a.distance(b) + b.distance(c) + c.distance(a);
+        // Columns across the axis that it faces most: as many as its area, and those that its edges pass; a plane enters
+        // at most three cells of each. No more than it has samples.
+        let columns = area / (edge * edge) + 2.0 * around / edge + 4.0;
+        (3.0 * columns).min(samples(area, edge)) as u64
+    };
+    let voxels: u64 = (0..mesh.triangles.len()).map(of_triangle).sum();
+    let cells_of = |dims: IVec3| dims.max(IVec3::ONE).as_u64vec3().element_product();
+    let mut most = Most { cells: cells_of(dims), voxels: 0, finest: voxels.min(cells_of(dims)) };
+    most.voxels = most.finest;
+    while dims.max_element() > 1 {
+        dims = (dims + 1) / 2;
+        most.cells += cells_of(dims);
+        most.voxels += most.finest.min(cells_of(dims));
+    }
+    most
+}
+
+/// Samples of a triangle.
+fn samples(area: f32, edge: f32) -> f32 {
+    (DENSITY * area / (edge * edge)).ceil().max(1.0)
 }
 
 struct Sample {

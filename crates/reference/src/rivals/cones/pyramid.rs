@@ -1,6 +1,6 @@
 //! Coarser and coarser voxels, and what light they send each way.
 //!
-//! Source: Crassin et al. 2011, §4.3: seen from a face, of each pair of voxels one behind the other the front one is laid
+//! Source: Crassin et al. 2011 (directional values of coarser voxels): seen from a face, of each pair of voxels one behind the other the front one is laid
 //! over the back one, and the four pairs are averaged. Light is stored multiplied by opacity.
 
 use std::f32::consts::PI;
@@ -51,6 +51,9 @@ impl View {
 }
 
 impl Pyramid {
+    /// Of a voxel: what its level stores of it, its reflectance and its light.
+    pub const BYTES_A_VOXEL: u64 = (Level::BYTES_A_VOXEL + 2 * size_of::<[Vec3; FACES]>()) as u64;
+
     pub fn new(grid: Grid) -> Pyramid {
         let mut pyramid = Pyramid { grid, coarse: vec![] };
         while pyramid.level(pyramid.coarse.len()).dims != IVec3::ONE {

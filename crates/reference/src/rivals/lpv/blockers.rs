@@ -1,9 +1,9 @@
 //! The geometry volume: how likely a cell's face stops light, by direction.
 //!
-//! Source: Kaplanyan and Dachsbacher 2010, §3.2. A surfel of area A with normal n stops light that travels along ω with
+//! Source: Kaplanyan and Dachsbacher 2010. A surfel of area A with normal n stops light that travels along ω with
 //! probability A/s² ⟨n, −ω⟩₊, s the length of a cell's edge. They see surfels in shadow maps and in the camera's
-//! picture, and keep
-//! the strongest of many views; ours are spread evenly over all fronts, as many as it takes, which leaves no holes.
+//! picture, and
+//! keep the strongest of many views; ours are spread evenly over all fronts, as many as it takes, which leaves no holes.
 //! As theirs, the volume lies half a cell beside the light's: its samples are at the corners of cells.
 
 use glam::{IVec3, Vec3, Vec4};

@@ -1,13 +1,21 @@
 //! Light propagation volumes: light of reflective shadow maps moves through a grid.
 //!
 //! Source: A. Kaplanyan, C. Dachsbacher, Cascaded Light Propagation Volumes for Real-Time Indirect Illumination, I3D
-//! 2010. Injection
-//! (§3.1), geometry volume (§3.2), propagation (§3.3), and light that is reflected where it is stopped (their extension for
+//! 2010: injection, geometry volume, propagation, and light that is reflected where it is stopped (their extension for
 //! several bounces). Two cascades: cells over the whole scene, and cells of half their size over half of it about the
 //! receivers.
 //!
 //! Where the paper steers by the camera, this steers by the receivers. Light that enters the fine cascade from outside is
 //! taken from the coarse one, so that none is missing and none counted twice.
+//!
+//! What it cannot do: a step from cell to cell leaves light 0.3 of its direction (see the test of it), as if a medium
+//! scattered it at every cell. Light stays about what it left and reaches what is far too weakly, the more so the finer the
+//! cells: in the Cornell box one bounce is off by 45 to 53 % RMS with 4 to 8 cells along it and by 100 % with 16; the lit floor
+//! gets twice and the ceiling a quarter of its light. A geometry volume of two bands stops 3/4 of what meets a wall head
+//! on, so a closed room loses light at each bounce, and interpolation reaches behind walls. Of all bounces in a closed room
+//! of one grey 0.7 arrive. In the Cornell box (lamp, bulb) their RMS errors are 43 %, 45 % with 6 cells, 38 %, 51 % with 8,
+//! 68 %, 105 % with 16. Light that scatters needs many steps: with 8 cells 16 steps leave 31 % of it out, 32 steps 14 %,
+//! 64 steps 8 %.
 
 mod blockers;
 mod grid;
@@ -38,11 +46,10 @@ const BLEND: f32 = 2.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeParams {
     /// Cells along the longest side of a cascade. The paper's: 32. Light spreads at every step, so in a plain room
-    /// fewer cells
-    /// are nearer the truth.
+    /// 6 to 8 are nearest the truth.
     pub cells: u32,
-    /// Steps that light goes, from cell to cell. One bounce needs about as many as there are cells, several bounces
-    /// twice that.
+    /// Steps that light goes, from cell to cell. One bounce needs about twice as many as there are cells, several bounces
+    /// four to eight times as many.
     pub steps: u32,
     /// Whether light that is stopped is reflected: several bounces, otherwise one.
     pub bounces: bool,
@@ -54,7 +61,7 @@ pub struct VolumeParams {
 
 impl Default for VolumeParams {
     fn default() -> VolumeParams {
-        VolumeParams { cells: 16, steps: 32, bounces: true, map_side: 128, shared_maps: 16 }
+        VolumeParams { cells: 8, steps: 32, bounces: true, map_side: 128, shared_maps: 16 }
     }
 }
 
@@ -123,8 +130,7 @@ impl Rival for LightPropagationVolumes<'_> {
     }
 }
 
-/// The pixels of all maps as clamped cosines in the cells before them (§3.1): each is moved half a cell along its
-/// normal, so that
+/// The pixels of all maps as clamped cosines in the cells before them: each is moved half a cell along its normal, so that
 /// it does not light what it lies on.
 fn injected(grid: &Grid, maps: &[Map]) -> Vec<Colours> {
     let mut cells = vec![Colours::default(); grid.len()];

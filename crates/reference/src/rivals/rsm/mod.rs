@@ -3,6 +3,10 @@
 //! Source: C. Dachsbacher, M. Stamminger, Reflective Shadow Maps, I3D 2005. One bounce. A receiver gathers from some pixels
 //! about its own projection in the map, nearer ones more densely. Their interpolation between the pixels of a
 //! picture is not made: receivers are not in a picture.
+//!
+//! What it cannot do: more than one bounce, and shadows of it. In an empty room lit by a bulb it is one bounce: 0.6 % too
+//! little in the mean, 2.5 % RMS with 256² pixels and 400 samples. In the Cornell box, where boxes are in the way, it is 17 %
+//! too much of one bounce; of all bounces it leaves 44 % out, however many the samples.
 
 mod eye;
 mod eyes;
@@ -71,7 +75,7 @@ impl<'a> ReflectiveShadowMaps<'a> {
 
     /// Irradiance of one map, from `samples` of its pixels.
     ///
-    /// The paper's pattern (its eq. 3): radius ξ₁ and angle 2πξ₂, so that density falls as 1/radius, made up for by the
+    /// The paper's pattern: radius ξ₁ and angle 2πξ₂, so that density falls as 1/radius, made up for by the
     /// weight.
     /// The paper weighs by ξ₁²; what keeps the mean right is 2ξ₁ times the area of the disk. Its one pattern for all
     /// receivers is turned and shifted for each, noise instead of bands.
@@ -88,7 +92,7 @@ impl<'a> ReflectiveShadowMaps<'a> {
         sum * (2.0 * self.params.reach.powi(2) * about.pixels / samples as f32)
     }
 
-    /// Irradiance of one pixel (the paper's eq. 1; our flux is that of the hemisphere, π times theirs). Near a common edge
+    /// Irradiance of one pixel (the paper's, with another unit: our flux is that of the hemisphere, π times theirs). Near a common edge
     /// of two walls it grows without bound; as in the paper, pixels are moved along their negative normal. Those that
     /// then are on the other side of a sheet do not shine there; positions are known to less than four gaps.
     fn irradiance(&self, pixel: &Pixel, point: &SurfacePoint) -> Vec3 {
