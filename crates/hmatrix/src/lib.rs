@@ -16,7 +16,7 @@
 //! - `stretch.rs`: the norm of errors. `plan.rs`: what every block could be, and what it is at a price. `colour.rs`: luma and planes of colour.
 //! - `stream.rs`: the packed bytes. `hmatrix.rs`, `kernels.rs`: the form that is multiplied with.
 //! - `bounces.rs`: all bounces from the operator of one. `stage.rs`: from container to container.
-//! - `pairs.rs`: the blocks of a matrix, symmetric or not.
+//! - `map.rs`: where which kind of block is. `pairs.rs`: the blocks of a matrix, symmetric or not.
 //! - `compress.rs`: all of it until the error is what was asked for (`search.rs`); `trial.rs`: the light that decides.
 //! - `rows.rs`, `compress_rows.rs`, `rectangle.rs`: the same for the rows of receivers that are no patches, which are sparse;
 //!   `packer.rs`: their parts and the price of a byte; `choose.rs`: what they are cut into at a price; `residual.rs`: triples
@@ -35,6 +35,7 @@ mod compress_rows;
 mod error;
 mod hmatrix;
 mod kernels;
+mod map;
 mod packer;
 mod pairs;
 mod params;
@@ -59,6 +60,7 @@ pub use compress_rows::{RowsReport, compress_rows, rows_memory_needed};
 pub use error::{Error, Result};
 pub use hmatrix::{Cluster, HMatrix, Layout, Leaf, Near, Panel, Workspace};
 pub use kernels::{LANES, Lanes, ROWS};
+pub use map::{BlockKind, Map, MapBlock};
 pub use params::Params;
 pub use rectangle::Rectangle;
 pub use report::Report;
