@@ -19,7 +19,7 @@ pub use harmonics::{Harmonics, HarmonicsParams};
 pub use instant::{InstantParams, InstantRadiosity};
 pub use lpv::{LightPropagationVolumes, VolumeParams};
 pub use on_patches::PatchLight;
-pub use radiosity::Radiosity;
+pub use radiosity::{Radiosity, product};
 pub use rsm::{ReflectiveShadowMaps, ShadowMapParams};
 pub use setting::{Lights, Setting};
 pub use shooting::{Shooting, ShootingParams};

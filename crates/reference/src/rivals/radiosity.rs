@@ -71,8 +71,14 @@ impl Rival for Radiosity<'_> {
     }
 }
 
-/// `to` = F times three vectors; rows of F receive, columns send.
-fn product(values: &[f32], from: [&[f32]; 3], to: &mut [[f32; 3]]) {
+/// `to` = F times three vectors; rows of F, one after the other, receive, columns send.
+///
+/// # Panics
+///
+/// If F is not square, or `from` or `to` not of its size: a bug in the caller.
+pub fn product(values: &[f32], from: [&[f32]; 3], to: &mut [[f32; 3]]) {
+    assert_eq!(values.len(), to.len() * to.len(), "a square matrix");
+    assert!(from.iter().all(|from| from.len() == to.len()), "one value a patch");
     let (n, arch) = (to.len(), Arch::new());
     to.par_chunks_mut(ROWS).zip(values.par_chunks(ROWS * n.max(1))).for_each(|(to, rows)| {
         match <&mut [[f32; 3]; ROWS]>::try_from(&mut *to) {
