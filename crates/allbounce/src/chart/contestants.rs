@@ -47,12 +47,12 @@ const UNSHOT: f64 = 0.02;
 const INSTANT: [u32; 5] = [16, 64, 256, 1024, 4096];
 /// The part of the scene's diagonal within which a light is as bright as at its end.
 const CLAMP: f32 = 0.1;
-/// Samples of a receiver.
-const SHADOW_MAPS: [u32; 3] = [100, 400, 1600];
-/// Cells along a cascade.
-const VOLUMES: [u32; 3] = [8, 16, 32];
-/// Cells along the scene, and bounces.
-const CONES: [(u32, u32); 4] = [(16, 2), (32, 2), (64, 2), (64, 4)];
+/// Pixels along a map, and samples of a receiver.
+const SHADOW_MAPS: [(usize, u32); 3] = [(128, 100), (128, 400), (256, 1600)];
+/// Cells along a cascade, and steps.
+const VOLUMES: [(u32, u32); 4] = [(6, 24), (8, 32), (8, 64), (16, 64)];
+/// Cells along the scene, cones, and bounces.
+const CONES: [(u32, u32, u32); 4] = [(16, 6, 2), (16, 24, 8), (32, 24, 4), (32, 24, 8)];
 /// Bands, and points in the air.
 const HARMONICS: [(usize, usize); 4] = [(3, 8), (4, 32), (5, 32), (4, 128)];
 
@@ -91,23 +91,24 @@ fn instant_of(ground: &Ground, judge: &mut Judge, nearest: f32) -> anyhow::Resul
 }
 
 fn shadow_maps(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    ground.some(&SHADOW_MAPS).iter().try_for_each(|&samples| {
-        let params = ShadowMapParams { samples, ..ShadowMapParams::default() };
+    ground.some(&SHADOW_MAPS).iter().try_for_each(|&(side, samples)| {
+        let params = ShadowMapParams { side, samples, ..ShadowMapParams::default() };
         judge.make(|| Ok(ReflectiveShadowMaps::new(ground.setting, params)))
     })
 }
 
 fn volumes(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    ground.some(&VOLUMES).iter().try_for_each(|&cells| {
-        // Light goes once across both cascades.
-        let params = VolumeParams { cells, steps: 2 * cells, ..VolumeParams::default() };
+    ground.some(&VOLUMES).iter().try_for_each(|&(cells, steps)| {
+        let params = VolumeParams { cells, steps, ..VolumeParams::default() };
         judge.make(|| Ok(LightPropagationVolumes::new(ground.setting, params)))
     })
 }
 
 fn cones(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    ground.some(&CONES).iter().try_for_each(|&(resolution, bounces)| {
-        let params = ConeParams { resolution, bounces, ..ConeParams::default() };
+    ground.some(&CONES).iter().try_for_each(|&(resolution, cones, bounces)| {
+        let params = ConeParams { resolution, cones, bounces, ..ConeParams::default() };
+        let need = VoxelCones::bytes_needed(&ground.setting, &params);
+        ground.session.ask_memory("voxel cones", need, "leave them out (--methods)")?;
         judge.make(|| Ok(VoxelCones::new(ground.setting, params)))
     })
 }
