@@ -1,4 +1,6 @@
-//! `allbounce inspect`: what a container holds and how it came to be.
+//! `allbounce inspect`: what a container holds and how it came to be; `plots/`: its operator in pictures.
+
+mod plots;
 
 use std::path::PathBuf;
 
@@ -10,14 +12,19 @@ use radfile::{
 use serde::Serialize;
 
 use crate::{files, memory, session::Session};
+use plots::Plot;
 
 /// Tell what a container holds and how it came to be.
 ///
-/// Prints to standard output. Exit: 0 done, 1 input refused, 2 usage, 3 I/O.
+/// Prints to standard output. With --plot the operator is drawn: matrix, values, blocks, error, sizes and speeds, as SVG
+/// and PNG, and index.md about them. Exit: 0 done, 1 input refused, 2 usage, 3 I/O.
 #[derive(clap::Args)]
 pub struct Args {
     /// Container
     file: PathBuf,
+    /// Draw the operator into this folder, as far as the container holds it; the folder is made if it is not there
+    #[arg(long, value_name = "DIR")]
+    plot: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -27,6 +34,8 @@ struct Report {
     sections: Vec<Row>,
     contents: Vec<String>,
     provenance: Provenance,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    plots: Vec<Plot>,
 }
 
 #[derive(Serialize)]
@@ -40,14 +49,18 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let container = files::open(&args.file)?;
     let (major, minor) = container.version();
     let row = |s: &Section| Row { name: s.name.clone(), holds: s.describe(), bytes: s.length };
-    let report = Report {
+    let mut report = Report {
         version: format!("{major}.{minor}"),
         bytes: container.as_bytes().len() as u64,
         sections: container.sections().iter().map(row).collect(),
         contents: contents(&container).with_context(|| args.file.display().to_string())?,
         provenance: Provenance::read(&container)?,
+        plots: Vec::new(),
     };
     files::print(&text(&report))?;
+    if let Some(folder) = &args.plot {
+        report.plots = plots::draw(&container, &args.file, folder, session)?;
+    }
     session.finish(&report)
 }
 
