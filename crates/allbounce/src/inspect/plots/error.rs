@@ -39,12 +39,15 @@ pub fn draw(subject: &Subject) -> anyhow::Result<Plot> {
         return Ok(Plot::missing(NAME, "The container has no packed operator to compare; run hmatrix or dxt-pack."));
     };
     let n = subject.patches.len();
-    let need = BYTES * (n as u64).pow(2);
-    subject.session.ask_memory("inspect --plot", need, "use fewer patches, or leave --plot out")?;
-    let Some(dense) = dense(subject, packed)? else {
+    let is_there = if is_one_bounce(packed) { subject.factors.is_some() } else { subject.operator.is_some() };
+    if !is_there {
         let reason = format!("The container has no dense matrix to hold the packed operator to; {DENSE}.");
         return Ok(Plot::missing(NAME, reason));
-    };
+    }
+    if let Err(reason) = subject.ask_memory(BYTES * (n as u64).pow(2)) {
+        return Ok(Plot::missing(NAME, format!("{reason}.")));
+    }
+    let dense = dense(subject, packed)?;
     let order = subject.clusters().unwrap_or_else(|| subject.numbered());
     let (mut squares, mut of_entries, mut largest, mut most) = (Vec::new(), 0.0, 0.0f64, 0.0f64);
     let share = 1.0 / dense.channels.len() as f64;
@@ -98,16 +101,19 @@ fn drawn(subject: &Subject, dense: &Dense, squares: Vec<f64>, [unit, largest]: [
     Plot::new(NAME, sheet, &Numbers { matrix: symbol, rms, largest, pixels: side }, sentence)
 }
 
-fn dense<'a>(subject: &'a Subject, packed: &relight::Operator) -> anyhow::Result<Option<Dense<'a>>> {
-    if let relight::Operator::Hierarchical(_, certificate) = packed
-        && certificate.kernel == Kernel::OneBounce
-    {
-        let Some(factors) = &subject.factors else { return Ok(None) };
-        let w = hmatrix::one_bounce(factors, &subject.patches)?;
-        return Ok(Some(Dense { symbol: "W", channels: vec![Cow::Owned(w.values.into_owned())] }));
+fn is_one_bounce(packed: &relight::Operator) -> bool {
+    matches!(packed, relight::Operator::Hierarchical(_, k) if k.kernel == Kernel::OneBounce)
+}
+
+/// None of its channels if the container does not hold it.
+fn dense<'a>(subject: &'a Subject, packed: &relight::Operator) -> anyhow::Result<Dense<'a>> {
+    if is_one_bounce(packed) {
+        let w = subject.factors.iter().map(|factors| hmatrix::one_bounce(factors, &subject.patches));
+        let channels = w.map(|w| Ok(Cow::Owned(w?.values.into_owned()))).collect::<anyhow::Result<_>>()?;
+        return Ok(Dense { symbol: "W", channels });
     }
-    let of_operator = |k: &'a radfile::Operator| (0..k.channels).map(|c| Cow::Borrowed(k.channel(c))).collect();
-    Ok(subject.operator.as_ref().map(|k| Dense { symbol: "K", channels: of_operator(k) }))
+    let k = subject.operator.iter();
+    Ok(Dense { symbol: "K", channels: k.flat_map(|k| (0..k.channels).map(|c| Cow::Borrowed(k.channel(c)))).collect() })
 }
 
 /// A channel of the packed operator, dense.

@@ -20,6 +20,8 @@ const MOST_RUNS: usize = 101;
 /// The series of bounces ends where one brings less than this share of all before.
 const LAST_BOUNCE: f64 = 1e-6;
 const MOST_BOUNCES: u32 = 5000;
+/// Disagreement of both answers that is no longer packing.
+const SUSPICIOUS: f64 = 0.1;
 
 #[derive(Serialize)]
 struct Numbers {
@@ -54,8 +56,9 @@ pub fn draw(subject: &Subject) -> anyhow::Result<Plot> {
     let factors: Cow<[f32]> = match &subject.factors {
         Some(factors) => Cow::Borrowed(&factors.values),
         None => {
-            let need = 4 * (n as u64).pow(2);
-            subject.session.ask_memory("inspect --plot", need, "use fewer patches, or leave --plot out")?;
+            if let Err(reason) = subject.ask_memory(4 * (n as u64).pow(2)) {
+                return Ok(Plot::missing(NAME, format!("{reason}.")));
+            }
             // As even as those of a sphere, so that light stays finite.
             Cow::Owned(vec![1.0 / n as f32; n * n])
         }
@@ -67,6 +70,12 @@ pub fn draw(subject: &Subject) -> anyhow::Result<Plot> {
         classical.settle(packed.bounces());
         difference(&subject.patches, frame.indirect(&even), &classical.light)
     });
+    if let Some(share) = disagreement.filter(|share| *share > SUSPICIOUS) {
+        subject.session.warn(&format!(
+            "the packed operator and the form factors disagree by {} of the light; pack it again from these form factors",
+            numbers::percent(share)
+        ));
+    }
     let made_up = subject.factors.is_none();
     let threads = rayon::current_num_threads();
     let numbers = Numbers { patches: n, threads, packed: seconds, dense, made_up, disagreement };

@@ -51,6 +51,11 @@ impl<'a> Subject<'a> {
         Ok(subject)
     }
 
+    /// Refuses a picture that needs more bytes than are free.
+    pub fn ask_memory(&self, bytes: u64) -> anyhow::Result<()> {
+        self.session.ask_memory("this picture", bytes, "use fewer patches (--patches N)")
+    }
+
     /// K if it is there, otherwise F.
     pub fn matrix(&self) -> Option<Matrix<'_>> {
         let n = self.patches.len();
