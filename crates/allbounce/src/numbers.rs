@@ -47,6 +47,13 @@ pub fn operator_error(text: &str) -> Result<f64, String> {
     relative_error(text).ok().filter(fits).ok_or_else(|| "expected a relative error from 0.05% to 50%".into())
 }
 
+/// Pixels in a row and rows: `320x240`, each up to 16384.
+pub fn pixels(text: &str) -> Result<[usize; 2], String> {
+    let parse = |number: &str| number.parse().ok().filter(|n| (1..=16384).contains(n));
+    let both = text.split_once('x').and_then(|(width, height)| Some([parse(width)?, parse(height)?]));
+    both.ok_or_else(|| "expected a width and a height in pixels such as 320x240".into())
+}
+
 /// A share in percent, two digits.
 pub fn percent(share: f64) -> String {
     let size = 100.0 * share.abs();

@@ -14,7 +14,7 @@ use image::{
     ImageEncoder,
     codecs::png::{CompressionType, FilterType, PngEncoder},
 };
-use plot::{BAR_HEIGHT, ColourBar};
+use plot::ColourBar;
 use relight::{Exposure, Image};
 
 use crate::{files, session::Session};
@@ -103,6 +103,7 @@ pub fn read_exr(path: &Path, session: &Session) -> anyhow::Result<Image> {
 }
 
 /// A picture for the eye: 8-bit sRGB, three bytes a pixel, rows from the top.
+#[derive(Clone)]
 pub struct Srgb {
     width: usize,
     height: usize,
@@ -123,11 +124,39 @@ impl Srgb {
     }
 
     /// With a bar of colours below.
-    pub fn with_bar(mut self, bar: &ColourBar) -> anyhow::Result<Srgb> {
-        let drawn = image::load_from_memory(&bar.png(self.width as u32)?)?.into_rgb8();
+    pub fn with_bar(self, bar: &ColourBar) -> anyhow::Result<Srgb> {
+        let drawn = bar.png(self.width as u32)?;
+        self.above(&drawn)
+    }
+
+    /// With lines of text below.
+    pub fn with_caption(self, lines: &[String]) -> anyhow::Result<Srgb> {
+        let drawn = plot::caption(lines, self.width as u32)?;
+        self.above(&drawn)
+    }
+
+    /// With a PNG of the same width below.
+    fn above(mut self, png: &[u8]) -> anyhow::Result<Srgb> {
+        let drawn = image::load_from_memory(png)?.into_rgb8();
+        self.height += drawn.height() as usize;
         self.bytes.extend(drawn.into_raw());
-        self.height += BAR_HEIGHT as usize;
         Ok(self)
+    }
+
+    /// Pictures of one size in rows of so many; what is left of the last row is white.
+    pub fn grid(tiles: &[Srgb], columns: usize) -> Srgb {
+        let (width, height) = tiles.first().map_or((0, 0), |tile| (tile.width, tile.height));
+        let blank = Srgb { width, height, bytes: vec![255; 3 * width * height] };
+        let place = |at: usize| tiles.get(at).unwrap_or(&blank);
+        let row =
+            |first: usize| (first + 1..first + columns).fold(place(first).clone(), |row, at| row.beside(place(at)));
+        let rows: Vec<Srgb> = (0..tiles.len()).step_by(columns).map(row).collect();
+        let width = rows.first().map_or(0, |row| row.width);
+        Srgb {
+            width,
+            height: rows.iter().map(|row| row.height).sum(),
+            bytes: rows.into_iter().flat_map(|row| row.bytes).collect(),
+        }
     }
 
     /// With another picture of the same height to the right.

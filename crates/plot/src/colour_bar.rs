@@ -82,14 +82,8 @@ impl ColourBar {
             });
             scene.elements.push(text(x, y2 + 13.0, LETTERS, number));
         }
-        // In narrow pictures the label is smaller.
-        let fitting = f64::from(width) / (LETTER_WIDTH * self.label.chars().count().max(1) as f64);
-        scene.elements.push(text(
-            f64::from(width) / 2.0,
-            f64::from(BAR_HEIGHT) - 8.0,
-            LETTERS.min(fitting),
-            &self.label,
-        ));
+        let size = fitting(&self.label, width);
+        scene.elements.push(text(f64::from(width) / 2.0, f64::from(BAR_HEIGHT) - 8.0, size, &self.label));
         let painted = RasterBackend::new().with_scale(1.0).render_scene(&scene);
         painted.map_err(|reason| Error::Painting { title: self.label.clone(), reason })
     }
@@ -100,7 +94,13 @@ fn rectangle(x: f64, width: f64, fill: Color) -> Primitive {
     Primitive::Rect { x, y, width, height, fill, stroke: None, stroke_width: None, opacity: None }
 }
 
-fn text(x: f64, y: f64, size: f64, words: &str) -> Primitive {
+/// Height of letters with which a line fits into so many pixels.
+pub fn fitting(line: &str, width: u32) -> f64 {
+    LETTERS.min(f64::from(width) / (LETTER_WIDTH * line.chars().count().max(1) as f64))
+}
+
+/// Words around `x`, standing on `y`.
+pub fn text(x: f64, y: f64, size: f64, words: &str) -> Primitive {
     let (content, anchor, size) = (words.to_owned(), TextAnchor::Middle, size as u32);
     Primitive::Text { x, y, content, size, anchor, rotate: None, bold: false, color: None }
 }

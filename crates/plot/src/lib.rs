@@ -1,4 +1,4 @@
-//! Line charts and sheets of pictures and bars as SVG and PNG, and colour bars of pictures.
+//! Line charts and sheets of pictures and bars as SVG and PNG, and colour bars and captions of pictures.
 //!
 //! One kind of picture, on linear or logarithmic axes: a few named curves with markers, and a legend beside them.
 //! A chart is a value; [`Chart::svg`] and [`Chart::png`] draw it, and the same value gives the same bytes. kuva does
@@ -7,12 +7,14 @@
 //! [`Sheet`].
 
 mod base64;
+mod caption;
 mod colour_bar;
 mod draw;
 mod error;
 mod front;
 mod sheet;
 
+pub use caption::{caption, caption_height};
 pub use colour_bar::{BAR_HEIGHT, ColourBar, Colours};
 pub use error::Error;
 pub use front::front;

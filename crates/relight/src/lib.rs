@@ -9,7 +9,7 @@
 //! - [`bounces`]: the first k bounces, where the form factors are still there.
 //! - [`Receivers`]: the receivers of a bake, ready for frames.
 //! - [`light_at_points`], [`render`], [`tone_map`]: what is made of it.
-//! - [`seen_patches`]: which patches a camera sees, for pictures of the patches themselves.
+//! - [`View`], [`seen_patches`]: where a camera looks, and which patches it sees.
 //!
 //! This is the definition that the GPU's answers are held against. Every function gives the same
 //! bits for any number of threads.
@@ -45,3 +45,4 @@ pub use render::{Image, Look, Parts, Shown, render};
 pub use seen_patches::{SeenPatch, seen_patches};
 pub use textures::{TextureProduct, Workspace as TextureWorkspace};
 pub use tone_map::{Exposure, tone_map};
+pub use view::View;

@@ -5,6 +5,7 @@ use scene::Camera;
 
 /// A camera over a picture of known size, in local axes.
 pub struct View {
+    /// The eye.
     pub origin: Vec3,
     forward: DVec3,
     /// From the middle to the right and to the upper border, at distance 1.

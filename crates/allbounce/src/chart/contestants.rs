@@ -15,24 +15,28 @@ pub struct Contestant {
     pub name: &'static str,
     /// As the chart shows it.
     pub label: &'static str,
-    /// Enters all of its settings.
+    /// Which of its settings is seen side by side with the others: of those that take up to about half a second for 40 000
+    /// pixels on two cores the one nearest to the truth, of those that take longer the quickest. Of harmonic transfer one that
+    /// does not bake longer than that many pixels are traced.
+    pub pictured: usize,
+    /// Enters its settings as the judge chooses.
     pub compete: fn(&Ground, &mut Judge) -> anyhow::Result<()>,
 }
 
 /// All of them.
 pub const ALL: &[Contestant] = &[
-    Contestant { name: "gather", label: "Allbounce, last gather", compete: ours::gather },
-    Contestant { name: "interpolate", label: "Allbounce, interpolated", compete: ours::interpolate },
-    Contestant { name: "published", label: "as published in 2019", compete: published::compete },
-    Contestant { name: "path-tracing", label: "path tracing", compete: paths::compete },
-    Contestant { name: "radiosity", label: "classical radiosity", compete: radiosity },
-    Contestant { name: "shooting", label: "progressive refinement", compete: shooting },
-    Contestant { name: "instant", label: "instant radiosity", compete: instant },
-    Contestant { name: "instant-clamped", label: "instant radiosity, clamped", compete: instant_clamped },
-    Contestant { name: "shadow-maps", label: "reflective shadow maps", compete: shadow_maps },
-    Contestant { name: "volumes", label: "light propagation volumes", compete: volumes },
-    Contestant { name: "cones", label: "voxel cones", compete: cones },
-    Contestant { name: "harmonics", label: "harmonic transfer", compete: harmonics },
+    Contestant { name: "gather", label: "Allbounce, last gather", pictured: 4, compete: ours::gather },
+    Contestant { name: "interpolate", label: "Allbounce, interpolated", pictured: 4, compete: ours::interpolate },
+    Contestant { name: "published", label: "as published in 2019", pictured: 4, compete: published::compete },
+    Contestant { name: "path-tracing", label: "path tracing", pictured: 0, compete: paths::compete },
+    Contestant { name: "radiosity", label: "classical radiosity", pictured: 3, compete: radiosity },
+    Contestant { name: "shooting", label: "progressive refinement", pictured: 3, compete: shooting },
+    Contestant { name: "instant", label: "instant radiosity", pictured: 1, compete: instant },
+    Contestant { name: "instant-clamped", label: "instant radiosity, clamped", pictured: 1, compete: instant_clamped },
+    Contestant { name: "shadow-maps", label: "reflective shadow maps", pictured: 0, compete: shadow_maps },
+    Contestant { name: "volumes", label: "light propagation volumes", pictured: 0, compete: volumes },
+    Contestant { name: "cones", label: "voxel cones", pictured: 0, compete: cones },
+    Contestant { name: "harmonics", label: "harmonic transfer", pictured: 1, compete: harmonics },
 ];
 
 /// Direct light on patches, as Allbounce has it in the chart.
@@ -57,7 +61,7 @@ const CONES: [(u32, u32, u32); 4] = [(16, 6, 2), (16, 24, 8), (32, 24, 4), (32, 
 const HARMONICS: [(usize, usize); 4] = [(3, 8), (4, 32), (5, 32), (4, 128)];
 
 fn radiosity(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    ground.some(&RADIOSITY).iter().try_for_each(|&(patches, bounces)| {
+    judge.choice.of(&RADIOSITY).iter().try_for_each(|&(patches, bounces)| {
         let dense = ground.all_bounces(patches)?;
         let factors = FormFactors::read(&dense.container)?;
         let mut rival = Radiosity::new(ground.setting, &dense.patches, &factors, bounces, PATCH_LIGHT);
@@ -66,7 +70,7 @@ fn radiosity(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
 }
 
 fn shooting(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    ground.some(&SHOOTING).iter().try_for_each(|&(patches, shots)| {
+    judge.choice.of(&SHOOTING).iter().try_for_each(|&(patches, shots)| {
         let dense = ground.all_bounces(patches)?;
         let factors = FormFactors::read(&dense.container)?;
         let params = ShootingParams { shots, unshot: UNSHOT, ambient: true };
@@ -85,27 +89,27 @@ fn instant_clamped(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
 }
 
 fn instant_of(ground: &Ground, judge: &mut Judge, nearest: f32) -> anyhow::Result<()> {
-    ground.some(&INSTANT).iter().try_for_each(|&paths| {
+    judge.choice.of(&INSTANT).iter().try_for_each(|&paths| {
         judge.make(|| Ok(InstantRadiosity::new(ground.setting, InstantParams { paths, nearest, seed: 1 })))
     })
 }
 
 fn shadow_maps(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    ground.some(&SHADOW_MAPS).iter().try_for_each(|&(side, samples)| {
+    judge.choice.of(&SHADOW_MAPS).iter().try_for_each(|&(side, samples)| {
         let params = ShadowMapParams { side, samples, ..ShadowMapParams::default() };
         judge.make(|| Ok(ReflectiveShadowMaps::new(ground.setting, params)))
     })
 }
 
 fn volumes(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    ground.some(&VOLUMES).iter().try_for_each(|&(cells, steps)| {
+    judge.choice.of(&VOLUMES).iter().try_for_each(|&(cells, steps)| {
         let params = VolumeParams { cells, steps, ..VolumeParams::default() };
         judge.make(|| Ok(LightPropagationVolumes::new(ground.setting, params)))
     })
 }
 
 fn cones(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    ground.some(&CONES).iter().try_for_each(|&(resolution, cones, bounces)| {
+    judge.choice.of(&CONES).iter().try_for_each(|&(resolution, cones, bounces)| {
         let params = ConeParams { resolution, cones, bounces, ..ConeParams::default() };
         let need = VoxelCones::bytes_needed(&ground.setting, &params);
         ground.session.ask_memory("voxel cones", need, "leave them out (--methods)")?;
@@ -114,7 +118,7 @@ fn cones(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
 }
 
 fn harmonics(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    ground.some(&HARMONICS).iter().try_for_each(|&(bands, centres)| {
+    judge.choice.of(&HARMONICS).iter().try_for_each(|&(bands, centres)| {
         let params = HarmonicsParams { bands, centres, ..HarmonicsParams::default() };
         let need = Harmonics::bytes_needed(ground.setting.receivers.len(), &params);
         ground.session.ask_memory("harmonic transfer", need, "take fewer receivers (--receivers)")?;

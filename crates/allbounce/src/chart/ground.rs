@@ -13,20 +13,13 @@ pub struct Ground<'a> {
     pub setting: Setting<'a>,
     /// The receivers in the axes of the scene file, metres.
     pub position: &'a [[f64; 3]],
-    /// Whether few settings of each method are enough.
-    pub quick: bool,
     pub session: &'a Session,
     baked: RefCell<BTreeMap<u32, Rc<Dense>>>,
 }
 
 impl<'a> Ground<'a> {
-    pub fn new(setting: Setting<'a>, position: &'a [[f64; 3]], quick: bool, session: &'a Session) -> Ground<'a> {
-        Ground { setting, position, quick, session, baked: RefCell::default() }
-    }
-
-    /// Settings of a method: the first of them where few are enough.
-    pub fn some<'b, T>(&self, settings: &'b [T]) -> &'b [T] {
-        if self.quick { &settings[..1] } else { settings }
+    pub fn new(setting: Setting<'a>, position: &'a [[f64; 3]], session: &'a Session) -> Ground<'a> {
+        Ground { setting, position, session, baked: RefCell::default() }
     }
 
     /// Diagonal of the box around the scene, metres.

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use anyhow::ensure;
+use anyhow::{Context, ensure};
 use radfile::Quiet;
 use rayon::prelude::*;
 use reference::rivals::Rival;
@@ -10,6 +10,7 @@ use scene::LightRig;
 use serde::Serialize;
 
 use super::{
+    contestants::Contestant,
     ground::Ground,
     score::{self, Score},
     truth::Truth,
@@ -39,14 +40,37 @@ pub struct Entry {
     pub score: Score,
 }
 
+/// Which settings of a method are entered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Choice {
+    All,
+    First,
+    One(usize),
+}
+
+impl Choice {
+    /// Of these.
+    pub fn of<T>(self, settings: &[T]) -> &[T] {
+        match self {
+            Choice::All => settings,
+            Choice::First => &settings[..1],
+            Choice::One(at) => &settings[at..=at],
+        }
+    }
+}
+
 /// Lights, truths and the entries so far.
 pub struct Judge<'a> {
     rigs: &'a [LightRig],
     truths: &'a [Truth],
     ground: &'a Ground<'a>,
     /// Method of the entries to come.
-    pub label: &'static str,
+    label: &'static str,
+    /// Which of its settings are entered.
+    pub choice: Choice,
     pub entries: Vec<Entry>,
+    /// Indirect irradiance that the last entry found under the last of the lights, W/m².
+    pub light: Vec<[f32; 3]>,
     /// Direct light of the receivers, mean over lights.
     pub direct_seconds: f64,
 }
@@ -54,7 +78,13 @@ pub struct Judge<'a> {
 impl<'a> Judge<'a> {
     pub fn new(ground: &'a Ground<'a>, rigs: &'a [LightRig], truths: &'a [Truth]) -> Judge<'a> {
         let direct_seconds = mean(rigs.iter().map(|rig| median(|| direct(ground, rig)).1));
-        Judge { rigs, truths, ground, label: "", entries: vec![], direct_seconds }
+        Judge { rigs, truths, ground, label: "", choice: Choice::All, entries: vec![], light: vec![], direct_seconds }
+    }
+
+    /// Enters settings of a method.
+    pub fn run(&mut self, contestant: &Contestant, choice: Choice) -> anyhow::Result<()> {
+        (self.label, self.choice) = (contestant.label, choice);
+        (contestant.compete)(self.ground, self).with_context(|| contestant.name)
     }
 
     /// Makes a rival, which is its bake, and enters it.
@@ -72,6 +102,7 @@ impl<'a> Judge<'a> {
             ensure!(light.as_flattened().iter().all(|v| v.is_finite()), "{}", runtime::TOO_BRIGHT);
             scores.push(score::score(&light, truth));
             seconds.push(median);
+            self.light = light;
         }
         let (change, name) = (mean(seconds.into_iter()), rival.name());
         let entry = Entry {

@@ -4,7 +4,8 @@
 //! - `contestants.rs`: the table of methods. `baked.rs`: the stages of a bake; `ours.rs`, `published.rs`, `paths.rs`: one
 //!   method each. The others are in [`reference::rivals`].
 //! - `judge.rs`: times an entry and holds it to the truth (`score.rs`).
-//! - `sheet.rs`: the table as CSV and Markdown; `picture.rs`: the charts.
+//! - `sheet.rs`: the table as CSV and Markdown; `picture.rs`: the charts; `side_by_side.rs`: what a camera sees by the light of
+//!   each method.
 
 mod baked;
 mod contestants;
@@ -14,10 +15,11 @@ mod ours;
 mod paths;
 mod picture;
 mod published;
-mod receivers;
-mod score;
+pub mod receivers;
+pub mod score;
 mod sheet;
-mod truth;
+mod side_by_side;
+pub mod truth;
 
 use std::path::{Path, PathBuf};
 
@@ -33,9 +35,10 @@ use crate::{
     numbers, runtime,
     session::Session,
 };
-use contestants::ALL;
+use contestants::{ALL, Contestant};
 use ground::Ground;
-use judge::{Entry, Judge};
+use judge::{Choice, Entry, Judge};
+use side_by_side::Eye;
 use truth::Truth;
 
 /// Receivers where none are given, and with --quick.
@@ -47,7 +50,8 @@ const TRUTH_ERROR: [f64; 2] = [0.01, 0.05];
 ///
 /// Light is asked for at points of the scene's surfaces and held to path-traced truth. Writes chart.csv, chart.md, chart.svg
 /// and chart.png (error against time), memory.svg and memory.png (error against memory), and truth.csv, which --truth
-/// takes. Exit: 0 done, 1 input refused, 2 usage, 3 I/O.
+/// takes. With --camera also side-by-side.png: indirect light as a camera sees it by one setting of each method, beside the
+/// truth. Exit: 0 done, 1 input refused, 2 usage, 3 I/O.
 #[derive(clap::Args)]
 pub struct Args {
     /// Scene: .obj (with .mtl), .gltf or .glb; metres
@@ -73,9 +77,15 @@ pub struct Args {
     /// Points and their light, as `reference` and `chart` write them, instead of tracing it; one a lights file
     #[arg(long, value_name = "T.csv", value_delimiter = ',')]
     truth: Vec<PathBuf>,
-    /// Standard error of the traced truth, relative as with `reference --rel-error` [default: 1%, with --quick 5%]
+    /// Standard error of the traced truth, relative as with `reference --rel-error`; pixels of --camera take at least 5% [default: 1%, with --quick 5%]
     #[arg(long, value_name = "SHARE", value_parser = numbers::relative_error, conflicts_with = "truth")]
     truth_error: Option<f64>,
+    /// Draw what this camera sees of the first lights by each method, JSON; `scene` takes the first camera of the scene file
+    #[arg(long, value_name = "C.json")]
+    camera: Option<PathBuf>,
+    /// Pixels of each of those pictures
+    #[arg(long, value_name = "WIDTHxHEIGHT", requires = "camera", default_value = "240x180", value_parser = numbers::pixels)]
+    size: [usize; 2],
     /// Back sides neither reflect nor receive (emission always leaves the front)
     #[arg(long)]
     one_sided: bool,
@@ -97,6 +107,9 @@ struct Report {
     threads: usize,
     note: String,
     entries: Vec<Entry>,
+    /// The settings that side-by-side.png shows; receivers are pixels.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    side_by_side: Vec<Entry>,
     seconds: f64,
 }
 
@@ -115,12 +128,20 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let points = points(args, &scene, &rays).with_context(named)?;
     let receivers = relight::surface_points(&scene.mesh, &points.position, &points.normal);
     let setting = Setting { scene: &scene, surfaces: &surfaces, rays: &rays, receivers: &receivers };
+    let wanted = |c: &&Contestant| args.methods.is_empty() || args.methods.iter().any(|m| m == c.name);
+    let contestants: Vec<&Contestant> = ALL.iter().filter(wanted).collect();
+    let side_by_side = match &args.camera {
+        Some(camera) => {
+            let eye = Eye { camera, size: args.size, truth_error: args.truth_error(), quick: args.quick };
+            side_by_side::draw(&eye, &contestants, &setting, &rigs[0], &args.output, session)?
+        }
+        None => vec![],
+    };
     let truths = truths(args, &points, &setting, &rigs, session)?;
-    let ground = Ground::new(setting, &points.position, args.quick, session);
+    let ground = Ground::new(setting, &points.position, session);
     let mut judge = Judge::new(&ground, &rigs, &truths);
-    for contestant in ALL.iter().filter(|c| args.methods.is_empty() || args.methods.iter().any(|m| m == c.name)) {
-        judge.label = contestant.label;
-        (contestant.compete)(&ground, &mut judge).with_context(|| contestant.name)?;
+    for contestant in contestants {
+        judge.run(contestant, if args.quick { Choice::First } else { Choice::All })?;
     }
     let file_name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let report = Report {
@@ -132,10 +153,17 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
         threads: rayon::current_num_threads(),
         note: args.note.clone(),
         entries: judge.entries,
+        side_by_side,
         seconds: session.seconds(),
     };
     write(&report, &args.output)?;
     session.finish(&report)
+}
+
+impl Args {
+    fn truth_error(&self) -> f64 {
+        self.truth_error.unwrap_or(TRUTH_ERROR[usize::from(self.quick)])
+    }
 }
 
 /// The light of every lights file at the receivers: read, or traced and written.
@@ -146,7 +174,7 @@ fn truths(
     rigs: &[scene::LightRig],
     session: &Session,
 ) -> anyhow::Result<Vec<Truth>> {
-    let error = args.truth_error.unwrap_or(TRUTH_ERROR[usize::from(args.quick)]);
+    let error = args.truth_error();
     let one = |(at, rig): (usize, &scene::LightRig)| match args.truth.get(at) {
         Some(path) => Truth::read(path, points),
         None => Truth::trace(points, setting, rig, error, &args.output.join(truth_name(args, at)), session),
@@ -187,7 +215,9 @@ fn truth_name(args: &Args, at: usize) -> String {
 fn outputs(args: &Args) -> Vec<String> {
     let charts = ["chart.csv", "chart.md", "chart.svg", "chart.png", "memory.svg", "memory.png"];
     let traced = if args.truth.is_empty() { args.lights.len() } else { 0 };
-    charts.into_iter().map(String::from).chain((0..traced).map(|at| truth_name(args, at))).collect()
+    let seen = if args.camera.is_some() { &side_by_side::FILES[..] } else { &[] };
+    let known = charts.iter().chain(seen).map(|name| String::from(*name));
+    known.chain((0..traced).map(|at| truth_name(args, at))).collect()
 }
 
 /// Makes the folder and refuses outputs that could not be written or would overwrite an input.
@@ -204,6 +234,7 @@ fn prepare(args: &Args, names: &[String], session: &Session) -> anyhow::Result<(
     let mut inputs = vec![("the scene", args.scene.as_path())];
     inputs.extend(args.lights.iter().map(|path| ("the lights", path.as_path())));
     inputs.extend(args.points.iter().map(|path| ("the points", path.as_path())));
+    inputs.extend(args.camera.iter().map(|path| ("the camera", path.as_path())));
     inputs.extend(args.truth.iter().map(|path| ("the truth", path.as_path())));
     files::check_outputs(&outputs, &inputs)
 }

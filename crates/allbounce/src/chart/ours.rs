@@ -86,7 +86,7 @@ pub fn bytes_of_rows(rows: &Rows) -> usize {
 
 /// Enters all settings that gather.
 pub fn gather(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    for &(patches, error) in ground.some(&GATHERED) {
+    for &(patches, error) in judge.choice.of(&GATHERED) {
         let dense = ground.all_bounces(patches)?;
         let (start, progress) = (ground.session.seconds(), ground.session.progress());
         let packed = pack(&dense, error, ground)?;
@@ -115,7 +115,7 @@ pub fn gather(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
 
 /// Enters all settings that interpolate.
 pub fn interpolate(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    for &(patches, error) in ground.some(&INTERPOLATED) {
+    for &(patches, error) in judge.choice.of(&INTERPOLATED) {
         let dense = ground.all_bounces(patches)?;
         let (start, progress) = (ground.session.seconds(), ground.session.progress());
         let packed = pack(&dense, error, ground)?;

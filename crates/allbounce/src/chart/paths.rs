@@ -4,7 +4,10 @@ use radfile::Progress;
 use reference::{PathTracer, Sampling, Stop, rivals::Rival};
 use scene::LightRig;
 
-use super::{ground::Ground, judge::Judge};
+use super::{
+    ground::Ground,
+    judge::{Choice, Judge},
+};
 
 /// Paths of a receiver in a frame.
 const PATHS: [u32; 6] = [4, 16, 64, 256, 1024, 4096];
@@ -38,7 +41,7 @@ impl Rival for Paths<'_> {
 
 /// Enters all numbers of paths.
 pub fn compete(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    let counts: &[u32] = if ground.quick { &QUICK } else { &PATHS };
+    let counts: &[u32] = if judge.choice == Choice::First { &QUICK } else { judge.choice.of(&PATHS) };
     let normal: Vec<[f32; 3]> = ground.setting.receivers.iter().map(|r| r.normal.to_array()).collect();
     for &count in counts {
         judge.make(|| Ok(Paths { ground, count, normal: normal.clone() }))?;

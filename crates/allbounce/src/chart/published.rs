@@ -35,7 +35,7 @@ const FORMAT: Params = Params { probes: 0, ..Params::PAPER };
 
 /// Enters all settings.
 pub fn compete(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    for &patches in ground.some(&PATCHES) {
+    for &patches in judge.choice.of(&PATCHES) {
         let dense = baked::bake(&Recipe::published(patches, BOUNCES), &ground.setting, ground.session)?;
         let (start, patches) = (ground.session.seconds(), &dense.patches);
         let need = dxt_pack::memory_needed(patches.len(), 3, &FORMAT);

@@ -26,11 +26,24 @@ pub fn markdown(report: &Report) -> String {
     let mut page = format!("# Speed against accuracy: {}\n\n", report.scene);
     page += &about(report);
     page += "\n![Error against time](chart.png)\n\n![Error against memory](memory.png)\n\n";
+    if !report.side_by_side.is_empty() {
+        page += &side_by_side(report);
+    }
     page += "| method | settings | light change | frame | memory | bake | RMS | bias | vis99 |\n|---|---|--:|--:|--:|--:|--:|--:|--:|\n";
     for e in &report.entries {
         page += &line(e);
     }
     page
+}
+
+/// The pictures of a camera.
+fn side_by_side(report: &Report) -> String {
+    let lights = report.lights.first().map_or("", String::as_str);
+    format!(
+        "![Side by side](side-by-side.png)\n\nIndirect light under {lights} as it is reflected to a camera, each pixel a receiver, all \
+         with the exposure of the path-traced picture at the upper left. Below each: method, setting, time of a \
+         light change for all pixels, RMS against the traced picture.\n\n"
+    )
 }
 
 fn line(e: &Entry) -> String {
@@ -70,7 +83,7 @@ fn six_digits(value: f64) -> String {
 }
 
 /// Three significant digits for people.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     let digits = if value > 0.0 { (2.0 - value.log10().floor()).clamp(0.0, 6.0) as usize } else { 0 };
     format!("{value:.digits$}")
 }
