@@ -1,6 +1,6 @@
 # Allbounce. `make demo` shows it, `make test` checks it, `make bake SCENE=room.glb` bakes a scene stage by stage,
 # `make charts` draws where methods hold and where they fail (docs/charts/) and, by `make rival-charts`, speed against accuracy of
-# every method in the bundled rooms; `make bench` measures every operator,
+# every method in the bundled rooms; `make claims` holds the published method to what is said of it; `make bench` measures every operator,
 # `make leaks` how much light gets where it is dark (docs/leaks.md), `make pictures` draws the walk through a bake
 # (docs/pictures/), `make test-export` asks the Khronos validator about exported files.
 #
@@ -16,7 +16,7 @@ space := $() $()
 .DELETE_ON_ERROR:
 # Software Vulkan drivers want a private folder for their scratch files.
 export XDG_RUNTIME_DIR ?= /tmp
-.PHONY: help setup build demo test test-export charts stability rival-charts leaks pictures bench bake clean FORCE
+.PHONY: help setup build demo test test-export charts stability rival-charts claims leaks pictures bench bake clean FORCE
 
 ALLBOUNCE := target/release/allbounce
 
@@ -221,15 +221,30 @@ stability: setup
 # Speed against accuracy of every method in the bundled rooms, half an hour; a quiet machine, named by MACHINE, times better.
 rival-charts: build
 	mkdir -p out
-	$(call rival-chart,cornell,lamp point)
-	$(call rival-chart,apartment,day evening)
+	$(call rival-chart,cornell,lamp point,camera,200x200)
+	$(call rival-chart,apartment,evening day,living.camera,200x140)
 
-# One scene under some of its lights: $(call rival-chart,scene,lights)
+# One scene under some of its lights, the first of them seen side by side: $(call rival-chart,scene,lights,camera,size)
 rival-chart = $(ALLBOUNCE) chart assets/$(1)/$(1).obj -o out/rivals-$(1) --report out/rivals-$(1).json \
-    --lights $(subst $(space),$(comma),$(2:%=assets/$(1)/%.json)) --note "$(MACHINE), commit $$(git rev-parse --short HEAD)" && \
+    --lights $(subst $(space),$(comma),$(2:%=assets/$(1)/%.json)) --note "$(MACHINE), commit $$(git rev-parse --short HEAD)" \
+    --camera assets/$(1)/$(3).json --size $(4) && cp out/rivals-$(1)/side-by-side.png docs/charts/side-by-side-$(1).png && \
     for kind in csv md svg png; do cp out/rivals-$(1)/chart.$$kind docs/charts/rivals-$(1).$$kind; done && \
     for kind in svg png; do cp out/rivals-$(1)/memory.$$kind docs/charts/rivals-$(1)-memory.$$kind; done && \
-    sed -i 's/(chart\./(rivals-$(1)./; s/(memory\./(rivals-$(1)-memory./' docs/charts/rivals-$(1).md
+    sed -i 's/(chart\./(rivals-$(1)./; s/(memory\./(rivals-$(1)-memory./; s/(side-by-side\./(side-by-side-$(1)./' docs/charts/rivals-$(1).md
+
+# ---- the claims of the published method ----
+
+CLAIMS := $(foreach scene,cornell apartment,$(foreach n,1000 2500,$(scene)-$(n)))
+
+# Sides of voxels and their form factors; the rest is done where it is measured. A quiet machine, named by MACHINE, times better.
+claims: $(CLAIMS:%=claims-%)
+	cargo run --release -p allbounce-tests --example paper_claims -- docs/charts/claims.md $(TODAY) $$(git rev-parse --short HEAD) \
+	    "$(MACHINE)" $(foreach bake,$(CLAIMS),$(firstword $(subst -, ,$(bake)))=out/claims/$(bake)/2-formfactor.rad)
+
+claims-%:
+	$(MAKE) --no-print-directory out/claims/$*/2-formfactor.rad BAKE_DIR=out/claims/$* \
+	    SCENE=assets/$(firstword $(subst -, ,$*))/$(firstword $(subst -, ,$*)).obj \
+	    VOXEL_SIMPLIFY="--patches $(lastword $(subst -, ,$*)) --mode faces" FORMFACTOR="--rays 4096"
 
 # ---- the leak suite ----
 

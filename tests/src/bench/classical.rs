@@ -1,7 +1,7 @@
 //! Classical radiosity, the yardstick of the paper: the form factors in f32, bounce after bounce.
 //!
-//! H ← F ρ (H⁰ + H), eight times, gives the first eight bounces of indirect light. Three colours go through one pass
-//! over F; what makes it slow is that F comes from memory eight times.
+//! H ← F ρ (H⁰ + H), k times, gives the first k bounces of indirect light. Three colours go through one pass
+//! over F; what makes it slow is that F comes from memory k times.
 
 use pulp::Arch;
 use radfile::FormFactors;
@@ -18,7 +18,7 @@ pub const BOUNCES: u32 = 8;
 /// Rows that a task handles.
 const TASK: usize = 16 * ROWS;
 
-/// Eight bounces with dense form factors.
+/// Bounces with dense form factors.
 pub struct Classical<'a> {
     factors: &'a FormFactors<'static>,
     reflectance: &'a [[f32; 3]],
@@ -27,12 +27,18 @@ pub struct Classical<'a> {
     sent: [Vec<f32>; 3],
     /// H.
     received: Vec<[f32; 3]>,
+    bounces: u32,
     arch: Arch,
 }
 
 impl<'a> Classical<'a> {
-    /// For the patches and form factors of a case.
+    /// [`BOUNCES`] for the patches and form factors of a case.
     pub fn new(case: &'a Case) -> Classical<'a> {
+        Classical::with(case, BOUNCES)
+    }
+
+    /// So many bounces.
+    pub fn with(case: &'a Case, bounces: u32) -> Classical<'a> {
         let n = case.len();
         Classical {
             factors: &case.factors,
@@ -40,6 +46,7 @@ impl<'a> Classical<'a> {
             root: case.patches.area.iter().map(|a| a.sqrt()).collect(),
             sent: std::array::from_fn(|_| vec![0.0; n]),
             received: vec![[0.0; 3]; n],
+            bounces,
             arch: Arch::new(),
         }
     }
@@ -66,7 +73,7 @@ impl<'a> Classical<'a> {
 impl Product for Classical<'_> {
     fn multiply(&mut self, x: &[[f32; 3]], y: &mut [[f32; 3]]) {
         self.received.fill([0.0; 3]);
-        for _ in 0..BOUNCES {
+        for _ in 0..self.bounces {
             // x is √A ρ H⁰.
             for (c, sent) in self.sent.iter_mut().enumerate() {
                 for (i, sent) in sent.iter_mut().enumerate() {

@@ -5,12 +5,13 @@
 //! ([`judge`]); a [`record::Row`] is what is written down. `rivals` are there to be beaten and should be hard to beat:
 //! [`classical`] radiosity with the form factors, [`planes`] of K in three kinds of numbers; `loops` has what they
 //! spend their time in. [`packed`] are the operators of this project, [`device`] is their product on a GPU.
-//! [`orders`] asks what the order of patches is worth, [`adaptive`] what it is worth to make them where light changes.
+//! [`claims`] holds what the paper says of its method against such products; [`orders`] asks what the order of patches is worth, [`adaptive`] what it is worth to make them where light changes.
 //!
 //! `make bench` runs it; `bench/record/README.md` says what the columns mean.
 
 pub mod adaptive;
 pub mod case;
+pub mod claims;
 pub mod classical;
 pub mod clock;
 pub mod contest;

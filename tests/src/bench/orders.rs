@@ -105,7 +105,11 @@ fn row(
 }
 
 /// Error of the matrix, L2 and vis99 of the light, error of the codes.
-fn errors(case: &Case, params: &Params) -> Result<[f64; 4], Error> {
+///
+/// # Errors
+///
+/// If it cannot be packed.
+pub fn errors(case: &Case, params: &Params) -> Result<[f64; 4], Error> {
     let mut textures = Textures::pack(case, params)?;
     let score = Judge::new(case).score(&mut textures);
     Ok([textures.matrix_rms, score.l2, score.vis99, textures.code_rms(&case.operator)])

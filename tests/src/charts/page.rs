@@ -14,7 +14,10 @@ pub fn text(figures: &[Figure]) -> String {
          The axis of reflectances is that of 1 / (1 − ρ), the gain of all bounces together.\n\n\
          Charts of operators, at the end, are of whole scenes: `make bench` measures them, and their sentences are about \
          its record in `bench/record/`.\n\n\
-         Speed against accuracy of every method, by `make rival-charts`: [Cornell box](rivals-cornell.md).\n",
+         Speed against accuracy of every method, by `make rival-charts`: [Cornell box](rivals-cornell.md). \
+         Indirect light as a camera sees it by each of them, beside the path-traced truth (upper left), with method, setting, time of a light \
+         change and RMS error below each picture: [Cornell box](side-by-side-cornell.png).\n\n\
+         Which claims of the published method hold, by `make claims`: [table](claims.md).\n",
     );
     for figure in figures {
         let (name, title) = (figure.name, &figure.chart.title);
