@@ -1,6 +1,6 @@
 //! From container to container.
 
-use radfile::{Builder, Container, FormFactors, Mesh, Patches, Progress, Record, Sink, Step, is_packed_operator};
+use radfile::{Builder, Container, FormFactors, Mesh, Patches, Progress, Record, Sink, Step, rests_on_operator};
 
 use crate::{Error, Params, Report, Result, form_factors};
 
@@ -14,7 +14,7 @@ pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progre
     let (mesh, patches) = (Mesh::read(input)?, Patches::read(input)?);
     let (factors, report) = form_factors(&mesh, &patches, params, progress)?;
     let mut builder = Builder::from_input(input, |section| {
-        !STALE.iter().any(|p| section.name.starts_with(p)) && !is_packed_operator(&section.name)
+        !STALE.iter().any(|p| section.name.starts_with(p)) && !rests_on_operator(&section.name)
     });
     factors.write(&mut builder);
     builder.provenance(Some(input), step)?;

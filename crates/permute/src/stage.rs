@@ -2,7 +2,7 @@
 
 use radfile::{
     Builder, Container, FLAG_PATCH_ORDER, FLAG_REQUIRED, FormFactors, HierarchicalOperator, Operator, PackedOperator,
-    Patches, Permutation, Progress, Record, SECTIONS, Section, Sink, Step, Transfer, read_sky,
+    Patches, Permutation, Progress, Record, SECTIONS, Section, Sink, Step, Transfer, read_sky, rests_on_operator,
 };
 
 use crate::{Error, Params, Report, neighbours, order};
@@ -52,7 +52,7 @@ pub fn run(
     let factors =
         factors.map(|f| FormFactors { values: new.apply_to_matrix(&f.values).into(), sky: new.apply(&f.sky).into() });
 
-    let mut builder = Builder::from_input(input, |section| !section.follows_patch_order());
+    let mut builder = Builder::from_input(input, |s| !s.follows_patch_order() && !rests_on_operator(&s.name));
     patches.write(&mut builder);
     match (&factors, sky) {
         (Some(factors), _) => factors.write(&mut builder),

@@ -151,10 +151,11 @@ fn unknown_sections_stay_unless_they_follow_the_order_of_patches() {
     let mut builder = Builder::from_input(&input, |_| true);
     builder.array("someone.per_patch", FLAG_PATCH_ORDER, &[1], vec![0u8]);
     builder.array("series.history", FLAG_PATCH_ORDER, &[1], vec![0u8]);
+    builder.meta("accuracy.meta", 0, &"what the bake was measured to be in the old order");
     let (out, report) = output(&builder.finish().unwrap(), &Params::default()).unwrap();
     assert_eq!(report.dropped, ["someone.per_patch", "series.history"]);
     assert!(!out.has("someone.per_patch") && !out.has("series.history"));
-    assert!(out.has("someone.notes"));
+    assert!(out.has("someone.notes") && !out.has("accuracy.meta"));
 }
 
 #[test]

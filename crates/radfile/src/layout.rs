@@ -11,7 +11,7 @@ use crate::{
 /// for a Radiance scene (also `.rad`); CR LF and LF show newline damage; SUB stops `type`.
 pub const IDENTIFIER: [u8; 8] = [0x8D, b'R', b'A', b'D', 0x0D, 0x0A, 0x1A, 0x0A];
 /// Major and minor version that this crate knows. It writes the lowest minor that has the sections of a file.
-pub const VERSION: (u16, u16) = (1, 3);
+pub const VERSION: (u16, u16) = (1, 4);
 /// A reader that does not know a section with this flag must refuse the file.
 pub const FLAG_REQUIRED: u32 = 1;
 /// The section's contents depend on the order of the patches.

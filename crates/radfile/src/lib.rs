@@ -8,7 +8,7 @@
 //! Start at [`Container`] to read, at [`Builder`] to write, and at the records
 //! ([`Mesh`], [`Materials`], [`Patches`], [`FormFactors`], [`Operator`],
 //! [`Permutation`], [`PackedOperator`], [`HierarchicalOperator`], [`Elements`], [`Transfer`],
-//! [`Lightmap`], [`Volume`]) for what the sections mean.
+//! [`Lightmap`], [`Volume`], [`Accuracy`]) for what the sections mean.
 //! The byte layout is specified in `formats/rad.md`.
 //!
 //! # Example
@@ -37,6 +37,7 @@
 #[cfg(target_endian = "big")]
 compile_error!("a .rad file is little-endian and is mapped without conversion; big-endian hosts are not supported");
 
+mod accuracy;
 mod builder;
 mod bytes;
 mod components;
@@ -68,6 +69,7 @@ mod table;
 mod transfer;
 mod volume;
 
+pub use accuracy::{Accuracy, ErrorParts, LightAccuracy};
 pub use builder::{Builder, Sink};
 pub use components::Groups;
 pub use container::{Container, Section};
@@ -92,6 +94,6 @@ pub use patches::{Patches, Piece};
 pub use permutation::Permutation;
 pub use progress::{Progress, Quiet};
 pub use provenance::{Provenance, Step, digest};
-pub use record::{Record, SECTIONS, bounces_held, is_packed_operator, outlasts_packing};
+pub use record::{Record, SECTIONS, bounces_held, outlasts_packing, rests_on_operator};
 pub use transfer::{FineMesh, NO_RECEIVER, PointRows, Rows, Transfer, Weights};
 pub use volume::{LARGEST_VOLUME, Volume};

@@ -1,6 +1,8 @@
 //! The list of sections that this version knows, and what a typed record is.
 
-use crate::{Builder, Certificate, Container, Error, HierarchicalOperator, Operator, PackedOperator, Packing, Result};
+use crate::{
+    Accuracy, Builder, Certificate, Container, Error, HierarchicalOperator, Operator, PackedOperator, Packing, Result,
+};
 
 /// Every section of this version and the stage that writes it.
 /// The same list, with element types, shapes and meaning, stands in `formats/rad.md` §4; a test compares the two.
@@ -91,10 +93,11 @@ pub const SECTIONS: &[(&str, &str)] = &[
     ("volume.gather_meta", "transfer"),
     ("volume.gather", "transfer"),
     ("volume.sky", "transfer"),
+    ("accuracy.meta", "bake"),
 ];
 
 /// Sections that later minor versions brought, from 1.1 on; all others are those of 1.0.
-const SINCE: [&[&str]; 3] = [
+const SINCE: [&[&str]; 4] = [
     &["patches.cut_plane", "patches.cut_child"],
     &[
         "pack.half",
@@ -143,6 +146,7 @@ const SINCE: [&[&str]; 3] = [
         "transfer.gather",
         "transfer.sky",
     ],
+    &["accuracy.meta"],
 ];
 
 /// The minor version that brought a section; 0 for those that no version knows.
@@ -150,16 +154,18 @@ pub fn minor_of(section: &str) -> u16 {
     SINCE.iter().position(|brought| brought.contains(&section)).map_or(0, |at| at as u16 + 1)
 }
 
-/// Whether a section holds the operator packed in some way: whoever packs it anew, or changes what was packed, drops it.
-pub fn is_packed_operator(section: &str) -> bool {
-    [PackedOperator::PREFIX, HierarchicalOperator::PREFIX].iter().any(|prefix| section.starts_with(prefix))
+/// Whether a section holds the operator packed in some way, or tells what it is worth: whoever packs it anew, or changes
+/// what was packed, drops it.
+pub fn rests_on_operator(section: &str) -> bool {
+    let prefixes = [PackedOperator::PREFIX, HierarchicalOperator::PREFIX, Accuracy::PREFIX];
+    prefixes.iter().any(|prefix| section.starts_with(prefix))
 }
 
-/// Whether a section is handed on by who packs the operator: what was packed before is not, and the dense operator and the
-/// form factors only if `keep_dense`.
+/// Whether a section is handed on by who packs the operator: what [`rests_on_operator`] is not, and the dense operator and
+/// the form factors only if `keep_dense`.
 pub fn outlasts_packing(section: &str, keep_dense: bool) -> bool {
     let dense = section.starts_with(Operator::PREFIX) || section == "formfactor.values";
-    !is_packed_operator(section) && (keep_dense || !dense)
+    !rests_on_operator(section) && (keep_dense || !dense)
 }
 
 /// The highest bounce of a container's operator, packed or dense; `None` if it holds all, or there is no operator.

@@ -6,13 +6,13 @@ mod fixture;
 use std::path::{Path, PathBuf};
 
 use fixture::{
-    Extras, cube, elements, every_feature, gathered, gathered_by_lightmap, gathered_by_volume, half, hierarchical,
-    lightmap, operators, parted_floor, patches_of_a_parted_floor, receivers_that_gather, volume,
+    Extras, accuracy, certified, cube, elements, every_feature, gathered, gathered_by_lightmap, gathered_by_volume,
+    half, hierarchical, lightmap, operators, parted_floor, patches_of_a_parted_floor, receivers_that_gather, volume,
 };
 use radfile::{
-    BlockFormat, Container, Elements, FLAG_PATCH_ORDER, FormFactors, Gathered, HierarchicalOperator, Lightmap,
-    Materials, Mesh, Operator, PackedOperator, Patches, Permutation, Provenance, Record, Transfer, ValueMap, Volume,
-    digest,
+    Accuracy, BlockFormat, Container, Elements, FLAG_PATCH_ORDER, FormFactors, Gathered, HierarchicalOperator,
+    Lightmap, Materials, Mesh, Operator, PackedOperator, Patches, Permutation, Provenance, Record, Transfer, ValueMap,
+    Volume, digest,
 };
 
 /// BLAKE3 of each file, so that none is made again by accident.
@@ -28,6 +28,8 @@ const PARTED_FLOOR: &str = "9412d0702a70d18e5391d5eab844efb0739f244a98e0f399586c
 const OPERATORS: &str = "19ba957c89e07036f96054790c6c590ad271c856d2d6b7b8047c310eb3d4abb9";
 
 const GATHERED: &str = "ff8e6e32d3f06ffcced4a1ccd0cdb8e48b6108ae24073325f1777ac19ffed5e2";
+
+const CERTIFIED: &str = "56e801bdd89280f81bbb9e947f79331def88b3d86cdfbc976e6b7343bb6d9a6f";
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/compat/1.0")
@@ -109,6 +111,19 @@ fn the_file_of_version_1_3_is_the_one_that_was_written_then_and_is_read() {
     assert_eq!(Gathered::read(&c, Lightmap::PREFIX, 6).expect("legal"), gathered_by_lightmap());
     assert_eq!(Volume::read(&c).expect("legal"), volume());
     assert_eq!(Gathered::read(&c, Volume::PREFIX, 30).expect("legal"), gathered_by_volume());
+}
+
+#[test]
+fn the_file_of_version_1_4_is_the_one_that_was_written_then_and_is_read() {
+    let folder = folder().join("../1.4");
+    let version = std::fs::read_to_string(folder.join("VERSION")).expect("it says who wrote the folder");
+    assert_eq!(version.trim(), "container 1.4");
+    assert_eq!(std::fs::read_dir(&folder).expect("the folder is there").count(), 2);
+    let c = Container::open(&folder.join("certified.rad")).expect("legal");
+    assert_eq!(c.version(), (1, 4));
+    assert_eq!(digest(c.as_bytes()), CERTIFIED, "this is not the file that version 1.4 wrote");
+    assert_eq!(c.as_bytes(), certified().as_bytes(), "version 1.4 is still what is written");
+    assert_eq!(Accuracy::read(&c).expect("legal"), accuracy());
 }
 
 #[test]

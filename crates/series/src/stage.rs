@@ -1,6 +1,6 @@
 //! The stage between two containers.
 
-use radfile::{Builder, Container, FormFactors, Patches, Progress, Record, Sink, Step, is_packed_operator};
+use radfile::{Builder, Container, FormFactors, Patches, Progress, Record, Sink, Step, rests_on_operator};
 
 use crate::{Error, Params, Report, all_bounces};
 
@@ -21,7 +21,7 @@ pub fn run(
     let patches = Patches::read(input)?;
     let factors = FormFactors::read(input)?;
     let (operator, report) = all_bounces(&patches, &factors, params, progress)?;
-    let stale = |name: &str| name.starts_with("series.") || is_packed_operator(name);
+    let stale = |name: &str| name.starts_with("series.") || rests_on_operator(name);
     let mut builder = Builder::from_input(input, |section| !stale(&section.name));
     operator.write(&mut builder);
     builder.provenance(Some(input), step)?;

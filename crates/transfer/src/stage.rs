@@ -1,6 +1,8 @@
 //! From container to container.
 
-use radfile::{Builder, Container, Elements, Lightmap, Mesh, Patches, Progress, Record, Sink, Step, Transfer, Volume};
+use radfile::{
+    Accuracy, Builder, Container, Elements, Lightmap, Mesh, Patches, Progress, Record, Sink, Step, Transfer, Volume,
+};
 use scene::{Rays, Scene, Surfaces};
 
 use crate::{
@@ -9,7 +11,7 @@ use crate::{
 };
 
 /// The stage: reads the scene and its patches, adds `transfer.*`, for a gather `elements.*`, and `lightmap.*` and
-/// `volume.*` if asked for. What an earlier run of the stage made is dropped.
+/// `volume.*` if asked for. What an earlier run of the stage made is dropped, and what was measured of it (`accuracy.*`).
 ///
 /// # Errors
 ///
@@ -36,9 +38,9 @@ pub fn run(input: &Container, params: &Params, step: Step, progress: &dyn Progre
     let (transfer, mut report) = transfer(mesh, &senders, params, progress)?;
     let lightmap = params.lightmap.map(|size| lightmap(mesh, &senders, &size, params, progress)).transpose()?;
     let volume = params.volume.map(|wanted| volume(mesh, &senders, &wanted, params, progress)).transpose()?;
-    let own = [Transfer::PREFIX, Elements::PREFIX, Lightmap::PREFIX, Volume::PREFIX];
-    let replaced = |name: &str| own.iter().any(|prefix| name.starts_with(prefix));
-    let mut builder = Builder::from_input(input, |s| !replaced(&s.name));
+    let stale = [Transfer::PREFIX, Elements::PREFIX, Lightmap::PREFIX, Volume::PREFIX, Accuracy::PREFIX];
+    let outlasts = |name: &str| !stale.iter().any(|prefix| name.starts_with(prefix));
+    let mut builder = Builder::from_input(input, |s| outlasts(&s.name));
     transfer.write(&mut builder);
     if params.mode == Mode::Gather {
         elements.write(&mut builder);

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use common::Maker;
 use glam::Vec3;
-use radfile::{Builder, Container, Elements, Mesh, Patches, Quiet, Record, Step, Transfer};
+use radfile::{Builder, Container, Elements, Mesh, Patches, Quiet, Record, Transfer};
 use scene::{Rays, Surfaces};
 use staged::{again, grey};
 use transfer::{Error, Mode, Params, Report, Senders, subdivide, transfer};
@@ -83,6 +83,7 @@ fn with_guest() -> Container {
     scene.write(&mut builder);
     patches.write(&mut builder);
     builder.array("guest.values", 0, &[3], vec![1.0f32, 2.0, 3.0]);
+    builder.meta("accuracy.meta", 0, &"what receivers that are replaced were worth");
     builder.finish().expect("records of the test are sound")
 }
 
@@ -94,6 +95,7 @@ fn the_stage_adds_its_record_and_hands_the_rest_through() {
     assert_eq!(read.position.len(), report.receivers);
     assert_eq!(read, with(Params::default()).unwrap().0);
     assert!(made.has("guest.values") && made.has("patches.area"));
+    assert!(!made.has("accuracy.meta"), "it was measured with other receivers");
     assert_eq!(radfile::Provenance::read(&made).unwrap().steps.last().map(|s| s.stage.as_str()), Some("transfer"));
 }
 

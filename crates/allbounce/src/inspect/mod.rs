@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use radfile::{
-    Container, Gathered, HierarchicalOperator, Lightmap, Mesh, PackedOperator, Patches, Provenance, Record, Section,
-    Transfer, Volume, Weights,
+    Accuracy, Container, Gathered, HierarchicalOperator, Lightmap, Mesh, PackedOperator, Patches, Provenance, Record,
+    Section, Transfer, Volume, Weights,
 };
 use serde::Serialize;
 
@@ -142,6 +142,9 @@ fn contents(c: &Container) -> anyhow::Result<Vec<String>> {
         let (how, [x, y, z]) = (optional_rows(c, Volume::PREFIX, volume.receivers())?, volume.count);
         lines.push(format!("irradiance volume: {x} × {y} × {z} cells, {} probes, {how}", volume.probes()));
     }
+    if c.has("accuracy.meta") {
+        lines.push(accuracy(&Accuracy::read(c)?));
+    }
     Ok(lines)
 }
 
@@ -154,6 +157,26 @@ fn patches(p: &Patches) -> String {
         p.len(),
         p.pieces.len(),
         p.locator.cell_size
+    )
+}
+
+fn accuracy(a: &Accuracy) -> String {
+    let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+    let asked = a.error_wanted.map_or_else(|| "none asked".into(), |e| format!("asked {} %", (1e6 * e).round() / 1e4));
+    let worst = a.lights.iter().fold(0.0f64, |worst, light| worst.max(light.rms));
+    let p = &a.parts;
+    format!(
+        "accuracy: {} of indirect light ({asked}) at {} points under {} lights, worst {}; \
+         discretisation {}, form factors {}, solver {}, packing {}, receivers on top {}",
+        percent(a.rms),
+        a.points,
+        a.lights.len(),
+        percent(worst),
+        percent(p.discretisation),
+        percent(p.form_factors),
+        percent(p.solver),
+        percent(p.packing),
+        percent(p.receivers)
     )
 }
 

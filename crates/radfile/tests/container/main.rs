@@ -3,6 +3,7 @@
 #[path = "../fixture/mod.rs"]
 mod fixture;
 
+mod accuracy;
 mod annotated;
 mod damage;
 mod differences;

@@ -1,13 +1,14 @@
 //! Random containers come back as they were; random damage with right checksums never panics.
 
 use radfile::{
-    Builder, Container, Elements, FLAG_PATCH_ORDER, FormFactors, Gathered, Lightmap, Materials, Mesh, Operator,
-    PackedOperator, Patches, Permutation, Provenance, Record, Tolerance, Transfer, Volume, Weights,
+    Accuracy, Builder, Container, Elements, FLAG_PATCH_ORDER, FormFactors, Gathered, Lightmap, Materials, Mesh,
+    Operator, PackedOperator, Patches, Permutation, Provenance, Record, Tolerance, Transfer, Volume, Weights,
 };
 
 use crate::{
     fixture::{
-        Extras, cube, cube_with_cuts, elements, every_feature, gathered_by_volume, half, lightmap, open, volume,
+        Extras, accuracy, cube, cube_with_cuts, elements, every_feature, gathered_by_volume, half, lightmap, open,
+        volume,
     },
     raw::{ENTRY, HEADER, LENGTH, OFFSET, SHAPE, edited, field, u32_at, u64_at},
 };
@@ -108,6 +109,7 @@ fn use_everything(c: &Container) -> u32 {
         assert_eq!(volume.fill(&vec![[1.0; 3]; volume.receivers()]).len(), volume.cells());
         legal += u32::from(Gathered::read(c, Volume::PREFIX, volume.receivers()).is_ok());
     }
+    legal += u32::from(Accuracy::read(c).is_ok());
     legal
 }
 
@@ -119,7 +121,7 @@ fn random_contents_with_right_checksums_never_panic() {
     damage(&cut.builder(), 20_000, [1000, 10_000]);
     damage(&halved, 5_000, [200, 500]);
     let (cube, elements, lightmap) = (cube(), elements(), lightmap());
-    let (volume, of_volume) = (volume(), gathered_by_volume());
+    let (volume, of_volume, accuracy) = (volume(), gathered_by_volume(), accuracy());
     let mut receivers = Builder::new();
     cube.mesh.write(&mut receivers);
     cube.patches.write(&mut receivers);
@@ -127,6 +129,7 @@ fn random_contents_with_right_checksums_never_panic() {
     lightmap.write(&mut receivers);
     volume.write(&mut receivers);
     of_volume.write(&mut receivers, Volume::PREFIX, 0);
+    accuracy.write(&mut receivers);
     damage(&receivers, 10_000, [500, 2_000]);
 }
 

@@ -5,8 +5,8 @@ use std::{collections::HashMap, path::Path};
 use radfile::{Container, ElementType, FLAG_PATCH_ORDER, FLAG_REQUIRED, Lightmap, Record, SECTIONS, Volume};
 
 use crate::fixture::{
-    Cube, cube, cube_with_cuts, elements, gathered, gathered_by_lightmap, gathered_by_volume, half, hierarchical,
-    lightmap, minimal, open, volume,
+    Cube, accuracy, cube, cube_with_cuts, elements, gathered, gathered_by_lightmap, gathered_by_volume, half,
+    hierarchical, lightmap, minimal, open, volume,
 };
 
 fn specification() -> String {
@@ -54,7 +54,7 @@ fn fits(extent: &str, found: u64, symbols: &mut HashMap<String, u64>) -> bool {
 fn with_all_records(cube: &Cube) -> Container {
     let (hierarchical, half, elements, gathered) = (hierarchical(), half(), elements(), gathered());
     let (lightmap, of_lightmap) = (lightmap(), gathered_by_lightmap());
-    let (volume, of_volume) = (volume(), gathered_by_volume());
+    let (volume, of_volume, accuracy) = (volume(), gathered_by_volume(), accuracy());
     let mut builder = cube.builder();
     hierarchical.write(&mut builder);
     half.write(&mut builder);
@@ -64,6 +64,7 @@ fn with_all_records(cube: &Cube) -> Container {
     of_lightmap.write(&mut builder, Lightmap::PREFIX, 0);
     volume.write(&mut builder);
     of_volume.write(&mut builder, Volume::PREFIX, 0);
+    accuracy.write(&mut builder);
     open(&builder)
 }
 
@@ -237,6 +238,7 @@ fn a_reader_made_from_the_specification_alone_reads_all_metadata() {
     assert_eq!(of("series.meta"), "");
     assert_eq!(of("lightmap.meta"), "4 2 ");
     assert!(of("volume.meta").ends_with(&format!("{} 4 2 1 ", bits(1.0))), "{}", of("volume.meta"));
+    assert!(of("accuracy.meta").contains("emission {\"use_scene_emission\":true} "), "{}", of("accuracy.meta"));
     assert!(of("provenance").starts_with("voxel-simplify 1.0 --frozen cube.obj 1f2e3d4c"));
 
     let (paper, mut builder) = (cube.packed_as_the_paper(), minimal());
