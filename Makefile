@@ -1,6 +1,6 @@
 # Allbounce. `make demo` shows it, `make test` checks it, `make bake SCENE=room.glb` bakes a scene stage by stage,
 # `make charts` draws where methods hold and where they fail (docs/charts/) and, by `make rival-charts`, speed against accuracy of
-# every method in the bundled rooms; `make claims` holds the published method to what is said of it; `make bench` measures every operator,
+# every method in the bundled rooms; `make goals` tells what `bake --error` chooses for them; `make claims` holds the published method to what is said of it; `make bench` measures every operator,
 # `make leaks` how much light gets where it is dark (docs/leaks.md), `make pictures` draws the walk through a bake
 # (docs/pictures/), `make test-export` asks the Khronos validator about exported files.
 #
@@ -16,7 +16,7 @@ space := $() $()
 .DELETE_ON_ERROR:
 # Software Vulkan drivers want a private folder for their scratch files.
 export XDG_RUNTIME_DIR ?= /tmp
-.PHONY: help setup build demo test test-export charts stability rival-charts claims leaks pictures bench bake clean FORCE
+.PHONY: help setup build demo test test-export charts stability rival-charts claims goals leaks pictures bench bake clean FORCE
 
 ALLBOUNCE := target/release/allbounce
 
@@ -231,6 +231,19 @@ rival-chart = $(ALLBOUNCE) chart assets/$(1)/$(1).obj -o out/rivals-$(1) --repor
     for kind in csv md svg png; do cp out/rivals-$(1)/chart.$$kind docs/charts/rivals-$(1).$$kind; done && \
     for kind in svg png; do cp out/rivals-$(1)/memory.$$kind docs/charts/rivals-$(1)-memory.$$kind; done && \
     sed -i 's/(chart\./(rivals-$(1)./; s/(memory\./(rivals-$(1)-memory./; s/(side-by-side\./(side-by-side-$(1)./' docs/charts/rivals-$(1).md
+
+# ---- what bakes choose ----
+
+# Bakes each scene for two errors and says in docs/goals.md what was chosen and what came out; a quarter of an hour.
+GOALS := tests/data/grey/room.obj assets/cornell/cornell.obj assets/apartment/apartment.obj
+GOAL_ERRORS := 10% 5%
+
+goals: build
+	mkdir -p out/goals
+	$(foreach scene,$(GOALS),$(foreach error,$(GOAL_ERRORS),$(ALLBOUNCE) bake $(scene) --error $(error) \
+	    -o out/goals/bake.rad --report out/goals/$(notdir $(scene:.obj=))-$(error).json && )) true
+	cargo run --release -p allbounce-tests --example goal_table -- docs/goals.md "$(MACHINE)" $$(git rev-parse --short HEAD) \
+	    $(foreach scene,$(GOALS),$(GOAL_ERRORS:%=out/goals/$(notdir $(scene:.obj=))-%.json))
 
 # ---- the claims of the published method ----
 

@@ -83,6 +83,42 @@ fn allbounce_is_nearer_to_the_truth_than_the_published_method_and_paths_come_nea
 }
 
 #[test]
+fn a_camera_sees_the_light_of_every_method_side_by_side() {
+    let folder = tempfile::tempdir().expect("a folder");
+    room(folder.path());
+    let (camera, file) = (folder.path().join("camera.json"), text(&folder.path().join("report.json")));
+    let inside = json!({ "origin": [0.2, 1.0, 0.2], "target": [2.5, 0.9, 2.2], "up": [0, 1, 0], "fov_x_deg": 70.0 });
+    std::fs::write(&camera, inside.to_string()).expect("a file");
+    let options =
+        ["--camera", &text(&camera), "--size", "40x30", "--receivers", "20", "--methods", "gather,path-tracing"];
+    chart(folder.path(), "lamp.json", &[&options[..], &["--report", &file]].concat()).done();
+    let report: Value = serde_json::from_str(&std::fs::read_to_string(&file).expect("a report")).expect("JSON");
+    let picture = image::open(folder.path().join("out/side-by-side.png")).expect("a picture").into_rgb8();
+    // Five columns with gaps of eight pixels, one row with four lines below: the truth, then a tile a method.
+    let shown = report["side_by_side"].as_array().expect("entries");
+    let below = plot::caption_height(4);
+    assert_eq!(picture.dimensions(), (5 * 40 + 4 * 8, 30 + below));
+    let lit = |tile: u32| {
+        (0..30).flat_map(|y| (0..40).map(move |x| (x, y))).all(|(x, y)| picture[(48 * tile + x, y)].0 != [255; 3])
+    };
+    let tiles = (0..5).filter(|tile| lit(*tile)).count();
+    let methods: std::collections::BTreeSet<&str> = shown.iter().filter_map(|e| e["method"].as_str()).collect();
+    assert_eq!((tiles, methods.len()), (3, 2), "{report}");
+    // The gather looks like the truth, few paths do not.
+    let mean = |tile: u32| {
+        let differences = (0..1200).flat_map(|p| {
+            let [truth, other] = [0, tile].map(|t| picture[(48 * t + p % 40, p / 40)].0);
+            std::array::from_fn::<f64, 3, _>(|c| (f64::from(truth[c]) - f64::from(other[c])).abs())
+        });
+        differences.sum::<f64>() / 3600.0
+    };
+    assert!(mean(1) < 0.5 * mean(2), "{} and {} of 255", mean(1), mean(2));
+    assert!(number(&shown[0], "rms") < 0.1, "{report}");
+    let page = std::fs::read_to_string(folder.path().join("out/chart.md")).expect("a page");
+    assert!(page.contains("side-by-side.png"), "{page}");
+}
+
+#[test]
 fn what_cannot_be_charted_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     room(folder.path());
@@ -91,6 +127,10 @@ fn what_cannot_be_charted_is_refused() {
     for part in ["magic", "path-tracing", "published"] {
         assert!(unknown.stderr.contains(part), "{part} is not in: {}", unknown.stderr);
     }
+    let alone = chart(folder.path(), "lamp.json", &["--size", "40x30"]);
+    assert!(alone.code == Some(2) && alone.stderr.contains("--camera"), "{alone:?}");
+    let endless = chart(folder.path(), "lamp.json", &["--camera", "scene", "--size", "40x0"]);
+    assert!(endless.code == Some(2) && endless.stderr.contains("320x240"), "{endless:?}");
     // A bulb outside of a closed room lights nothing in it.
     chart(folder.path(), "outside.json", &["--methods", "gather"]).refused(&["outside.json", "no indirect light"]);
     let lights = text(&folder.path().join("lamp.json"));

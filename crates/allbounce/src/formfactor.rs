@@ -26,6 +26,11 @@ pub struct Options {
 }
 
 impl Options {
+    /// Rays until their noise changes indirect light by no more than this.
+    pub fn of_error(&self, error: f64) -> Options {
+        Options { rays: None, ff_error: Some(error), seed: self.seed }
+    }
+
     fn budget(&self) -> Budget {
         match self.ff_error {
             None => Budget::Rays(self.rays.unwrap_or(4096)),

@@ -19,7 +19,6 @@ mod numbers;
 mod packing;
 mod permute;
 mod pictures;
-mod pilot;
 mod progress;
 mod reference;
 mod relight;

@@ -54,6 +54,20 @@ pub fn pixels(text: &str) -> Result<[usize; 2], String> {
     both.ok_or_else(|| "expected a width and a height in pixels such as 320x240".into())
 }
 
+/// A relative error that a bake can be asked for.
+pub fn goal_error(text: &str) -> Result<f64, String> {
+    let fits = |v: &f64| (0.005..=0.5).contains(v);
+    relative_error(text).ok().filter(fits).ok_or_else(|| "expected a relative error from 0.5% to 50%".into())
+}
+
+/// A positive time in seconds, with its unit `s`, `ms` or `us`.
+pub fn seconds(text: &str) -> Result<f64, String> {
+    let units = [("ms", 1e-3), ("us", 1e-6), ("s", 1.0)];
+    let unit = units.into_iter().find_map(|(unit, factor)| text.strip_suffix(unit).map(|number| (number, factor)));
+    let value = unit.and_then(|(number, factor)| number.trim().parse::<f64>().ok().map(|v| v * factor));
+    value.filter(|v| *v > 0.0 && v.is_finite()).ok_or_else(|| "expected a positive time such as 5ms".into())
+}
+
 /// A share in percent, two digits.
 pub fn percent(share: f64) -> String {
     let size = 100.0 * share.abs();

@@ -53,6 +53,11 @@ const PROGRAM: u64 = 10 << 20;
 pub struct Options(Params);
 
 impl Options {
+    /// All bounces, in the numbers that there is memory for.
+    pub fn all_bounces(precision: Precision) -> Options {
+        Options(Params { precision, ..Params::default() })
+    }
+
     /// Whether it is the first bounces that are summed.
     pub fn is_cut(&self) -> bool {
         self.0.bounces.is_some()

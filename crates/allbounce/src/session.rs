@@ -33,6 +33,8 @@ pub struct Session {
     report: Option<PathBuf>,
     memory_limit: Option<u64>,
     quiet: bool,
+    /// Whether tables and warnings are left to somebody else.
+    brief: bool,
     start: Instant,
 }
 
@@ -45,8 +47,14 @@ impl Session {
             report: args.report.clone(),
             memory_limit: args.memory_limit,
             quiet: args.quiet,
+            brief: false,
             start: Instant::now(),
         })
+    }
+
+    /// The same without tables and warnings: for trials that nobody needs to read about.
+    pub fn brief(&self) -> Session {
+        Session { report: None, brief: true, ..*self }
     }
 
     /// Progress bars of a stage.
@@ -61,7 +69,7 @@ impl Session {
 
     /// Prints numbers as a short table to the terminal.
     pub fn print<T: Serialize>(&self, title: &str, numbers: &T) -> anyhow::Result<()> {
-        if !self.quiet {
+        if !self.quiet && !self.brief {
             eprint!("{}", report::table(title, &serde_json::to_value(numbers)?));
         }
         Ok(())
@@ -82,7 +90,9 @@ impl Session {
 
     /// Prints a line that people should not miss.
     pub fn warn(&self, line: &str) {
-        self.say(&format!("warning: {line}"));
+        if !self.brief {
+            self.say(&format!("warning: {line}"));
+        }
     }
 
     /// Writes the report file, if one was asked for.

@@ -11,7 +11,7 @@ use crate::{numbers, stage::Stage};
 /// Reads scene and patches. Adds the finer mesh, and for each receiver packed form factors of all that it sees, or
 /// normalised weights over patches nearby; the texels of a lightmap and the probes of an
 /// irradiance volume where asked for.
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 pub struct Options {
     /// How light comes to vertices [default: gather; interpolate where the operator holds some bounces only]
     #[arg(id = "transfer", long = "transfer", value_name = "MODE", value_enum)]
@@ -50,6 +50,21 @@ enum Mode {
 }
 
 impl Options {
+    /// Receivers that interpolate.
+    pub fn interpolated(&self) -> Options {
+        Options { mode: Some(Mode::Interpolate), ..self.clone() }
+    }
+
+    /// Receivers that gather by so many rays, packed to an error.
+    pub fn gathered(&self, rays: u32, error: f64) -> Options {
+        Options { mode: Some(Mode::Gather), gather_rays: Some(rays), gather_error: Some(error), ..self.clone() }
+    }
+
+    /// Whether receivers besides those of the mesh are asked for, which must gather.
+    pub fn asks_for_more(&self) -> bool {
+        self.lightmap.is_some() || self.volume.is_some()
+    }
+
     fn params(&self, input: &Container) -> anyhow::Result<transfer::Params> {
         let cut = radfile::bounces_held(input)?.is_some();
         let mode = match self.mode {

@@ -87,6 +87,16 @@ impl Options {
         Options { voxel: None, patches: Some((wanted / 4).clamp(PILOT[0], PILOT[1])), ..self.clone() }
     }
 
+    /// The same for so many patches.
+    pub fn of_patches(&self, patches: u32) -> Options {
+        Options { voxel: None, patches: Some(patches), ..self.clone() }
+    }
+
+    /// Back sides neither reflect nor receive.
+    pub fn import(&self) -> ImportOptions {
+        ImportOptions { one_sided: self.one_sided }
+    }
+
     fn text(&self) -> String {
         let size = match self.params().resolution {
             Resolution::Voxel(edge) => format!("--voxel {edge}m"),
@@ -131,9 +141,8 @@ pub fn apply(
 ) -> anyhow::Result<StageReport<Numbers>> {
     let start = session.seconds();
     let (folder, name) = DiskFolder::of(path)?;
-    let import = ImportOptions { one_sided: options.one_sided };
     let named = || path.display().to_string();
-    let (scene, imported) = scene::import(&name, &folder, import).with_context(named)?;
+    let (scene, imported) = scene::import(&name, &folder, options.import()).with_context(named)?;
     let mut inputs = folder.inputs();
     inputs.extend(pilot.map(|pilot| ("pilot".into(), radfile::digest(pilot.as_bytes()))));
     let adaptive = if pilot.is_some() { " --adaptive" } else { "" };

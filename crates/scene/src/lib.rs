@@ -4,10 +4,12 @@
 //! - [`Surfaces`]: reflectance and emission at a point of a triangle, textures decoded.
 //! - [`Rays`]: watertight closest-hit and visibility queries; [`land`]: the patch that a ray meets.
 //! - [`Sobol`], [`cosine_direction`], [`PatchSampler`]: points and directions, deterministic.
+//! - [`Air`]: where lamps could hang that nobody has hung yet.
 //! - [`LightRig`], [`Light`], [`Camera`]: the JSON files of docs/design.md §4.
 //!
 //! Files are read through the [`Folder`] that the caller hands in; nothing here touches the disk.
 
+mod air;
 mod camera;
 mod element_points;
 mod error;
@@ -25,6 +27,7 @@ mod texture;
 mod triangle_test;
 mod wide_bvh;
 
+pub use air::Air;
 pub use camera::Camera;
 pub use element_points::ElementPoints;
 pub use error::{Error, Result};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, bail};
-use reference::{Measured, PathTracer, Sampling, Stop, rivals::Setting};
+use reference::{Measured, PathTracer, PointEstimate, Sampling, Stop, rivals::Setting};
 use scene::LightRig;
 
 use crate::{
@@ -53,13 +53,18 @@ impl Truth {
         session.say(&format!("truth: {} paths, {:.1} s", report.paths, session.seconds() - start));
         let answers: Vec<&str> = ANSWERS.into_iter().chain(traced::FURTHER).collect();
         points.write(output, &answers, |i| traced::row(&light[i]))?;
-        let colours = |part: fn(&reference::PointEstimate) -> Measured| light.iter().map(part).collect::<Vec<_>>();
+        Ok(Truth::of(&light))
+    }
+
+    /// What a path tracer says of points.
+    pub fn of(light: &[PointEstimate]) -> Truth {
+        let colours = |part: fn(&PointEstimate) -> Measured| light.iter().map(part).collect::<Vec<_>>();
         let (direct, indirect) = (colours(|l| l.direct), colours(|l| l.indirect));
-        Ok(Truth {
+        Truth {
             direct: direct.iter().map(|m| m.value).collect(),
             indirect: indirect.iter().map(|m| m.value).collect(),
             noise: indirect.iter().map(|m| m.error).collect(),
-        })
+        }
     }
 
     /// Reads it; it must be of the receivers.

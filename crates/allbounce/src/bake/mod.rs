@@ -1,21 +1,32 @@
 //! `allbounce bake`: all stages in one process, from a scene file to one self-contained file.
+//!
+//! - `chain.rs`: stages from memory to memory. `pilot.rs`: the coarse bake for adaptive patches.
+//! - A bake that is asked for an error, a size or a time (`goal.rs`) chooses its own settings: `climb.rs` makes trials
+//!   (`rung.rs`) of more and more patches, a `jury.rs` of path-traced points under lights in the air (`lights.rs`) judges
+//!   them, `finish.rs` adds receivers and says what came out. `chosen.rs` runs it all.
+
+mod chain;
+mod chosen;
+mod climb;
+mod finish;
+mod goal;
+mod jury;
+mod lights;
+mod pilot;
+mod rung;
 
 use std::path::PathBuf;
 
 use anyhow::{Context, bail};
 use clap::ValueEnum;
-use radfile::{Builder, Container, Sink};
 use serde::Serialize;
 use serde_json::Value;
 
 use crate::{
-    dxt_pack, files, formfactor, hmatrix,
-    packing::Wanted,
-    permute, pilot, series,
-    session::Session,
-    stage::{self, Stage},
-    transfer, voxel_simplify,
+    dxt_pack, files, formfactor, hmatrix, packing::Wanted, permute, series, session::Session, stage, transfer,
+    voxel_simplify,
 };
+use chain::{Log, keep, taken};
 
 /// Bake a scene: patches, form factors, all bounces, order, packing, transfer.
 ///
@@ -27,6 +38,8 @@ pub struct Args {
     /// Container to write
     #[arg(short, long, value_name = "BAKE.rad")]
     output: PathBuf,
+    #[command(flatten)]
+    goal: goal::Goal,
     /// Small patches where light changes, large ones where it does not, as a coarse bake tells that is made first
     #[arg(long, conflicts_with = "voxel")]
     adaptive: bool,
@@ -80,30 +93,29 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
             "--bounces sums in the bake, but with --kernel one-bounce a frame solves for all bounces; take one of them"
         );
     }
-    let mut stages = Vec::new();
-    let mut current = None;
+    if args.goal.is_set() {
+        return chosen::run(args, session);
+    }
+    let (mut log, mut slot) = (Log::default(), None);
     let pilot = args.adaptive.then(|| pilot::make(&args.scene, &args.voxel_simplify, session)).transpose()?;
     let options = &args.voxel_simplify;
-    let report = voxel_simplify::apply(&args.scene, options, pilot.as_ref(), session, &mut keep(&mut current))?;
-    stages.push(serde_json::to_value(report)?);
-    link(&args.formfactor, &mut current, &mut stages, session)?;
+    log.add(&voxel_simplify::apply(&args.scene, options, pilot.as_ref(), session, &mut keep(&mut slot))?)?;
+    let mut current = log.link(&args.formfactor, &taken(slot)?, session)?;
     let wanted = args.packing.clone();
     let hierarchical = args.operator == Operator::Hmatrix;
     if !(hierarchical && args.hmatrix.is_one_bounce()) {
-        link(&args.series, &mut current, &mut stages, session)?;
+        current = log.link(&args.series, &current, session)?;
     }
-    link(&args.permute, &mut current, &mut stages, session)?;
+    current = log.link(&args.permute, &current, session)?;
     if hierarchical {
         let packing = hmatrix::Packing { options: args.hmatrix.clone(), wanted };
-        link(&packing, &mut current, &mut stages, session)?;
+        current = log.link(&packing, &current, session)?;
     } else {
         let packing = dxt_pack::Packing { options: args.dxt_pack.clone(), wanted };
-        link(&packing, &mut current, &mut stages, session)?;
+        current = log.link(&packing, &current, session)?;
     }
-
-    let packed = taken(&mut current)?;
-    let report = stage::apply(&args.transfer, &packed, session, &mut |b| b.write_file(&args.output))?;
-    stages.push(serde_json::to_value(report)?);
+    log.add(&stage::apply(&args.transfer, &current, session, &mut |b| b.write_file(&args.output))?)?;
+    let stages = log.into_reports();
     let bytes = std::fs::metadata(&args.output).with_context(|| args.output.display().to_string())?.len();
     session.say(&format!(
         "baked {} in {:.1} s, {}",
@@ -112,30 +124,4 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
         crate::memory::size(bytes)
     ));
     session.finish(&Report { seconds: session.seconds(), bytes, stages })
-}
-
-/// A sink that keeps the container in memory for the next stage.
-fn keep(slot: &mut Option<Container>) -> impl FnMut(&Builder<'_>) -> radfile::Result<()> {
-    move |builder| {
-        *slot = Some(builder.finish()?);
-        Ok(())
-    }
-}
-
-fn taken(slot: &mut Option<Container>) -> anyhow::Result<Container> {
-    slot.take().context("a stage ended without handing on its container")
-}
-
-/// Runs one stage from memory to memory.
-fn link<S: Stage>(
-    stage: &S,
-    current: &mut Option<Container>,
-    stages: &mut Vec<Value>,
-    session: &Session,
-) -> anyhow::Result<()> {
-    let input = taken(current)?;
-    let mut next = keep(current);
-    let sink: &mut Sink = &mut next;
-    stages.push(serde_json::to_value(stage::apply(stage, &input, session, sink)?)?);
-    Ok(())
 }
