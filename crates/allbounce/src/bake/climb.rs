@@ -99,7 +99,7 @@ impl<'a> Climb<'a> {
         let scores = self.jury.ask(&rung.baked, self.cases, self.session, |lit| {
             Ok(jury::scores(&lit.gathered(&self.jury.points, jury::TRIAL_RAYS, self.session)?, self.cases))
         })?;
-        rung.error = jury::rms(&scores);
+        rung.error = jury::median(&scores);
         let kind = if adaptive { "adaptive patches" } else { "patches" };
         let each: Vec<String> =
             scores.iter().zip(self.cases).map(|(s, case)| format!("{} {}", case.name, percent(s.rms))).collect();

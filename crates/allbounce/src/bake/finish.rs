@@ -92,7 +92,7 @@ fn receivers(
 ) -> anyhow::Result<transfer::Options> {
     let points = &jury.points;
     if !args.transfer.asks_for_more()
-        && jury::rms(&jury::scores(&lit.interpolated(points, session), cases)) <= ENOUGH * error
+        && jury::median(&jury::scores(&lit.interpolated(points, session), cases)) <= ENOUGH * error
     {
         return Ok(args.transfer.interpolated());
     }

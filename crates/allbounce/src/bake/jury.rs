@@ -16,8 +16,11 @@ use crate::{
     session::Session,
 };
 
-/// Points of the surfaces.
-const POINTS: u32 = 800;
+/// Points of the surfaces, and those that are drawn so that enough are left.
+const POINTS: usize = 800;
+const DRAWN: u32 = 1000;
+/// Nobody looks into gaps that are narrower than this, in diagonals of the scene, such as the one between a lamp and its ceiling.
+const GAP: f32 = 0.01;
 /// Paths of a point: at first, and at most.
 const PATHS: [u32; 2] = [256, 1 << 11];
 
@@ -53,8 +56,21 @@ pub struct Lit<'b> {
 
 impl<'a> Jury<'a> {
     pub fn new(scene: &'a Scene, rays: &'a Rays) -> anyhow::Result<Jury<'a>> {
-        let place = receivers::by_area(scene, rays, POINTS)?;
-        let points = relight::surface_points(&scene.mesh, &place.position, &place.normal);
+        let drawn = receivers::by_area(scene, rays, DRAWN)?;
+        let points = relight::surface_points(&scene.mesh, &drawn.position, &drawn.normal);
+        let gap = GAP * diagonal(&points);
+        let open = |at: &usize| {
+            let SurfacePoint { position, normal, triangle } = points[*at];
+            rays.closest(rays.off_surface(position, normal), normal, gap, triangle).is_none()
+        };
+        let chosen: Vec<usize> = (0..points.len()).filter(open).take(POINTS).collect();
+        // Where everything is a gap, every point counts.
+        let chosen = if chosen.is_empty() { (0..points.len().min(POINTS)).collect() } else { chosen };
+        let place = Points::new(
+            chosen.iter().map(|&at| drawn.position[at]).collect(),
+            chosen.iter().map(|&at| drawn.normal[at]).collect(),
+        );
+        let points = chosen.iter().map(|&at| points[at]).collect();
         Ok(Jury { scene, rays, surfaces: Surfaces::new(&scene.mesh, &scene.materials)?, place, points })
     }
 
@@ -186,6 +202,13 @@ pub fn scores(answers: &[Vec<[f32; 3]>], cases: &[Case]) -> Vec<score::Score> {
 /// One figure for all rigs: the mean of their RMS.
 pub fn rms(scores: &[score::Score]) -> f64 {
     scores.iter().map(|s| s.rms).sum::<f64>() / scores.len().max(1) as f64
+}
+
+/// The same that one hard light does not decide: the median.
+pub fn median(scores: &[score::Score]) -> f64 {
+    let mut all: Vec<f64> = scores.iter().map(|s| s.rms).collect();
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).map_or(0.0, |upper| 0.5 * (upper + all[(all.len() - 1) / 2]))
 }
 
 /// RMS of the difference of two answers relative to the mean of the second, quadratic mean over rigs.

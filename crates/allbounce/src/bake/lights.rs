@@ -17,7 +17,7 @@ const PANEL: f32 = 0.05;
 /// Radiance of the sky beside a sun of 1 W/m².
 const SKY: f32 = 0.1;
 /// How far lamps hang from everything, in diagonals of the scene, and how often a place is looked for.
-const CLEARANCE: f32 = 0.03;
+const CLEARANCE: f32 = 0.05;
 const ATTEMPTS: u32 = 16;
 const SEED: u32 = 0x11a3;
 

@@ -31,7 +31,7 @@ pub struct Rung {
     /// Up to the dense operator, where adaptive patches can be made by it.
     pub pilot: Option<Container>,
     pub log: Log,
-    /// RMS of indirect irradiance under the rigs that steer.
+    /// RMS of indirect irradiance, median of the rigs that steer.
     pub error: f64,
 }
 
