@@ -19,7 +19,7 @@ const AIM: f64 = 0.7;
 const POWER: f64 = 0.9;
 const POWERS: [f64; 2] = [0.7, 1.2];
 /// Least and most growth from one trial to the next.
-const GROWTH: [f64; 2] = [1.25, 3.0];
+const GROWTH: [f64; 2] = [1.25, 2.2];
 /// Adaptive patches are tried from here on, and must be better by so much.
 const ADAPTIVE: u64 = 300;
 const BETTER: f64 = 0.9;
