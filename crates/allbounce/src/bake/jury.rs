@@ -18,9 +18,10 @@ use crate::{
 
 /// Points of the surfaces, and those that are drawn so that enough are left.
 const POINTS: usize = 800;
-const DRAWN: u32 = 1000;
-/// Nobody looks into gaps that are narrower than this, in diagonals of the scene, such as the one between a lamp and its ceiling.
-const GAP: f32 = 0.01;
+const DRAWN: u32 = 1200;
+/// Places in the air that a point must see one of: what is seen from none of them lies in a gap or behind something, where
+/// nobody looks.
+const PLACES: u32 = 96;
 /// Paths of a point: at first, and at most.
 const PATHS: [u32; 2] = [256, 1 << 11];
 
@@ -58,13 +59,14 @@ impl<'a> Jury<'a> {
     pub fn new(scene: &'a Scene, rays: &'a Rays) -> anyhow::Result<Jury<'a>> {
         let drawn = receivers::by_area(scene, rays, DRAWN)?;
         let points = relight::surface_points(&scene.mesh, &drawn.position, &drawn.normal);
-        let gap = GAP * diagonal(&points);
-        let open = |at: &usize| {
+        let places = lights::places(&points, rays, PLACES);
+        let seen = |at: &usize| {
             let SurfacePoint { position, normal, triangle } = points[*at];
-            rays.closest(rays.off_surface(position, normal), normal, gap, triangle).is_none()
+            let origin = rays.off_surface(position, normal);
+            places.iter().any(|&place| (place - origin).dot(normal) > 0.0 && rays.visible(origin, place, triangle))
         };
-        let chosen: Vec<usize> = (0..points.len()).filter(open).take(POINTS).collect();
-        // Where everything is a gap, every point counts.
+        let chosen: Vec<usize> = (0..points.len()).filter(seen).take(POINTS).collect();
+        // Where there is no room for a lamp, every point counts.
         let chosen = if chosen.is_empty() { (0..points.len().min(POINTS)).collect() } else { chosen };
         let place = Points::new(
             chosen.iter().map(|&at| drawn.position[at]).collect(),

@@ -30,27 +30,10 @@ pub struct Trial {
 /// The rig of a number, the same for the same scene. `points` are points of its surfaces in the open.
 pub fn rig(scene: &Scene, points: &[SurfacePoint], rays: &Rays, number: u32) -> Trial {
     let diagonal = jury::diagonal(points);
-    let point = |[x, ..]: [f32; 3]| {
-        let at = &points[((x * points.len() as f32) as usize).min(points.len() - 1)];
-        (rays.off_surface(at.position, at.normal), at.normal)
-    };
-    let air = Air { rays, diagonal, point };
+    let air = Air { rays, diagonal, point: point_of(points, rays) };
     let in_file_axes = |p: Vec3| std::array::from_fn(|a| f64::from(p[a]) + scene.mesh.origin[a]);
     let lamp = |k: u32| {
-        let seed = hash(hash(SEED, number), k);
-        let tried = |attempt: u32| air.place(&Sobol::new(hash(seed, attempt)));
-        // The first that is clear enough, or the clearest.
-        let (mut best, mut clearest) = (tried(0), 0.0);
-        for (place, normal) in (0..ATTEMPTS).map(tried) {
-            let clear = clearance(place, CLEARANCE * diagonal, rays);
-            if clear > clearest {
-                (best, clearest) = ((place, normal), clear);
-            }
-            if clear >= CLEARANCE * diagonal {
-                break;
-            }
-        }
-        let (place, normal) = best;
+        let Hung { place, normal, .. } = hang(&air, hash(hash(SEED, number), k));
         if k % LAMPS[0] != LAMPS[0] - 1 {
             return Light::Point { position: in_file_axes(place), intensity: [1.0; 3] };
         }
@@ -73,6 +56,49 @@ pub fn rig(scene: &Scene, points: &[SurfacePoint], rays: &Rays, number: u32) -> 
         }
     };
     Trial { name, rig: LightRig { lights, ..LightRig::default() } }
+}
+
+/// Places in the air where there is room for a lamp; there may be none.
+pub fn places(points: &[SurfacePoint], rays: &Rays, count: u32) -> Vec<Vec3> {
+    let air = Air { rays, diagonal: jury::diagonal(points), point: point_of(points, rays) };
+    let roomy = |hung: &Hung| hung.clear >= CLEARANCE * air.diagonal;
+    (0..count).map(|k| hang(&air, hash(SEED ^ 1, k))).filter(roomy).map(|hung| hung.place).collect()
+}
+
+/// One of the points, a little off its surface, and its normal.
+fn point_of<'a>(points: &'a [SurfacePoint], rays: &'a Rays) -> impl Fn([f32; 3]) -> (Vec3, Vec3) + 'a {
+    move |[x, ..]| {
+        let at = &points[((x * points.len() as f32) as usize).min(points.len() - 1)];
+        (rays.off_surface(at.position, at.normal), at.normal)
+    }
+}
+
+/// Where a lamp hangs.
+struct Hung {
+    place: Vec3,
+    /// Of the surface that it hangs before.
+    normal: Vec3,
+    /// How far it is from everything, up to what is asked for.
+    clear: f32,
+}
+
+/// The first place that is clear enough, or the clearest.
+fn hang<P: Fn([f32; 3]) -> (Vec3, Vec3)>(air: &Air<P>, seed: u32) -> Hung {
+    let most = CLEARANCE * air.diagonal;
+    let tried = |attempt: u32| {
+        let (place, normal) = air.place(&Sobol::new(hash(seed, attempt)));
+        Hung { place, normal, clear: clearance(place, most, air.rays) }
+    };
+    let mut best = tried(0);
+    for hung in (1..ATTEMPTS).map(tried) {
+        if best.clear >= most {
+            break;
+        }
+        if hung.clear > best.clear {
+            best = hung;
+        }
+    }
+    best
 }
 
 /// Distance of what is nearest along the axes and half way between them, at most `most`.
