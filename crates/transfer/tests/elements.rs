@@ -1,26 +1,17 @@
 //! Elements: parts of what is seen of a patch, and what a gather makes of them.
 
 mod common;
+mod staged;
 
 use common::Maker;
 use glam::Vec3;
-use radfile::{Elements, Material, Materials, Mesh, Patches, PointRows, Quiet, Side};
-use scene::{NO_TRIANGLE, Rays, Scene, SurfacePoint, Surfaces};
+use radfile::{Elements, Mesh, Patches, PointRows, Quiet, Side};
+use scene::{NO_TRIANGLE, Rays, SurfacePoint, Surfaces};
+use staged::grey;
 use transfer::{GatherParams, Senders, gather_for_points, subdivide};
 
 fn parted(mesh: &Mesh, patches: &Patches) -> Elements {
-    let material = Material {
-        name: "grey".into(),
-        reflectance: [0.5; 3],
-        reflectance_texture: None,
-        emission: [0.0; 3],
-        emission_texture: None,
-    };
-    let scene = Scene {
-        mesh: mesh.clone(),
-        materials: Materials { materials: vec![material], textures: vec![] },
-        ..Scene::default()
-    };
+    let scene = grey(mesh.clone());
     let surfaces = Surfaces::new(&scene.mesh, &scene.materials).expect("no textures");
     subdivide(patches, &surfaces, &Rays::new(mesh), &Quiet)
 }

@@ -21,7 +21,7 @@ pub struct Goal {
 }
 
 /// What a goal chooses, so that nobody else can.
-const CHOSEN: [&str; 19] = [
+const CHOSEN: [&str; 20] = [
     "patches",
     "voxel",
     "mode",
@@ -41,6 +41,7 @@ const CHOSEN: [&str; 19] = [
     "gather_error",
     "format",
     "outliers",
+    "shift",
 ];
 
 impl Goal {

@@ -2,7 +2,7 @@
 
 use anyhow::{bail, ensure};
 use glam::Vec3;
-use radfile::{Container, Patches, Record};
+use radfile::{Container, Elements, Patches, Record};
 use reference::{PathTracer, Sampling, Stop};
 use relight::{Frame, Operator, PatchSamples, Receivers, Relighter};
 use scene::{LightRig, Rays, Scene, SurfacePoint, Surfaces};
@@ -128,7 +128,7 @@ impl<'a> Jury<'a> {
         self.trace(rig, (wanted.min(f64::from(PATHS[1])) as u32).next_power_of_two(), seed, session)
     }
 
-    /// Puts a bake up to its packed operator under the rigs of `cases` and asks it.
+    /// Puts a bake, finished or up to its packed operator, under the rigs of `cases` and asks it.
     pub fn ask<T>(
         &self,
         baked: &Container,
@@ -137,7 +137,11 @@ impl<'a> Jury<'a> {
         question: impl FnOnce(&Lit) -> anyhow::Result<T>,
     ) -> anyhow::Result<T> {
         let (patches, progress) = (Patches::read(baked)?, session.progress());
-        let elements = transfer::subdivide(&patches, &self.surfaces, self.rays, &progress);
+        // A finished bake has elements, or none as its receivers interpolate; frames of it see no others.
+        let elements = match baked.has("transfer.position") {
+            true => Elements::read_or_whole(baked, &patches)?,
+            false => transfer::subdivide(&patches, &self.surfaces, self.rays, &progress),
+        };
         let (operator, sky) = (Operator::read(baked)?, radfile::read_sky(baked)?);
         let relighter = Relighter::new(self.scene, self.rays, &patches, &elements, &operator, sky)?;
         let frame = |case: &Case| {
