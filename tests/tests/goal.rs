@@ -6,17 +6,20 @@ use allbounce_tests::{
     asset,
     program::allbounce,
     reference::{Table, score, shared},
-    text,
+    root, text,
 };
 use radfile::{Accuracy, Container, Provenance, Record};
 use serde_json::Value;
 
 /// Bakes the Cornell box for a goal; the file and the report.
 fn bake(folder: &Path, name: &str, goal: &[&str]) -> (PathBuf, Value) {
+    bake_of(&asset("cornell/cornell.obj"), folder, name, goal)
+}
+
+fn bake_of(scene: &str, folder: &Path, name: &str, goal: &[&str]) -> (PathBuf, Value) {
     let (file, report) = (folder.join(format!("{name}.rad")), folder.join(format!("{name}.json")));
-    let cornell = asset("cornell/cornell.obj");
     let (output, numbers) = (text(&file), text(&report));
-    allbounce(["bake", &cornell, "-o", &output, "--report", &numbers, "-q"].iter().chain(goal)).done();
+    allbounce(["bake", scene, "-o", &output, "--report", &numbers, "-q"].iter().chain(goal)).done();
     let report = std::fs::read_to_string(report).expect("a report");
     (file, serde_json::from_str(&report).expect("JSON"))
 }
@@ -62,6 +65,22 @@ fn what_a_goal_chooses_can_be_typed_and_does_not_depend_on_threads() {
         let same = chosen.data(section) == typed.data(typed.section(&section.name).expect("the section"));
         assert!(same, "{} differs from what its options make", section.name);
     }
+}
+
+#[test]
+fn a_simple_room_pays_for_no_elements_and_says_what_interpolation_errs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let room = text(&root().join("tests/data/grey/room.obj"));
+    let (coarse, coarse_report) = bake_of(&room, folder.path(), "coarse", &["--error", "20%"]);
+    let (_, fine_report) = bake_of(&room, folder.path(), "fine", &["--error", "5%"]);
+    let coarse = Container::open(&coarse).expect("a container");
+    assert!(coarse.has("transfer.weight") && !coarse.has("elements.start"));
+    assert_eq!(coarse_report["patches"], fine_report["patches"]);
+    let of = |report: &Value, keys: [&str; 2]| report[keys[0]][keys[1]].as_f64().expect("a number");
+    let [interpolated, gathered] = [&coarse_report, &fine_report].map(|report| of(report, ["accuracy", "rms"]));
+    assert!(gathered <= 0.05 && interpolated > 1.5 * gathered && interpolated <= 0.2, "{interpolated}, {gathered}");
+    let [small, large] = [&coarse_report, &fine_report].map(|report| report["bytes_of_frames"].as_f64());
+    assert!(3.0 * small.expect("a number") < large.expect("a number"), "{small:?}, {large:?}");
 }
 
 #[test]

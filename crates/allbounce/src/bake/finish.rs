@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use radfile::{Accuracy, Builder, Container, ErrorParts, LightAccuracy, Record, Transfer};
+use radfile::{Accuracy, Builder, Container, ErrorParts, LightAccuracy, Record, Transfer, Weights};
 use relight::{PatchSamples, Receivers};
 use scene::{NO_TRIANGLE, SurfacePoint};
 
@@ -50,6 +50,8 @@ const FRAME: [&str; 17] = [
 pub struct Finished {
     pub baked: Container,
     pub log: Log,
+    /// Whether receivers interpolate; or they gather.
+    interpolates: bool,
     /// What a frame reads beside the scene.
     pub bytes: u64,
     /// Indirect light of all receivers, median.
@@ -77,8 +79,9 @@ pub fn finish(
         let receivers = Receivers::new(&transfer.weights, lit.senders.elements.senders())?;
         Ok((time(lit, &receivers, cases, session), on_top(lit, &receivers, &transfer, session)?))
     })?;
+    let interpolates = matches!(transfer.weights, Weights::Interpolated(_));
     drop(transfer);
-    Ok(Finished { baked, log, bytes, seconds_a_frame, receivers })
+    Ok(Finished { baked, log, interpolates, bytes, seconds_a_frame, receivers })
 }
 
 /// How receivers get their light: interpolated if that is good enough, or by as few rays as are.
@@ -133,7 +136,7 @@ fn time(lit: &Lit, receivers: &Receivers, cases: &[Case], session: &Session) -> 
     seconds[FRAMES / 2]
 }
 
-/// Holds a bake to the truth of `cases`.
+/// Holds a bake to the truth of `cases`, at points whose light comes as its receivers' does.
 pub fn certify(
     jury: &Jury,
     made: &Finished,
@@ -141,7 +144,10 @@ pub fn certify(
     cases: &[Case],
     session: &Session,
 ) -> anyhow::Result<Accuracy> {
-    let answers = jury.ask(&made.baked, cases, session, |lit| lit.gathered(&jury.points, jury::RAYS, session))?;
+    let answers = jury.ask(&made.baked, cases, session, |lit| match made.interpolates {
+        true => Ok(lit.interpolated(&jury.points, session)),
+        false => lit.gathered(&jury.points, jury::RAYS, session),
+    })?;
     let scores = jury::scores(&answers, cases);
     let (all, rms) = (score::of_all(&scores), jury::rms(&scores));
     let (form_factors, packing) =
