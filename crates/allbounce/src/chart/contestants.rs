@@ -42,7 +42,7 @@ pub const ALL: &[Contestant] = &[
 /// Direct light on patches, as Allbounce has it in the chart.
 const PATCH_LIGHT: PatchLight = PatchLight { points: 16, samples: 1 };
 /// Patches and bounces.
-const RADIOSITY: [(u32, u32); 6] = [(200, 8), (500, 8), (1000, 8), (2500, 8), (1000, 3), (1000, 16)];
+const RADIOSITY: [(u32, u32); 7] = [(200, 8), (500, 8), (1000, 8), (2500, 8), (5000, 8), (1000, 3), (1000, 16)];
 /// Patches and most shots.
 const SHOOTING: [(u32, u32); 5] = [(200, 400), (500, 1000), (1000, 2000), (2500, 5000), (2500, 500)];
 /// What may be left unshot; it is spread evenly, as the authors do.
@@ -54,9 +54,9 @@ const CLAMP: f32 = 0.1;
 /// Pixels along a map, and samples of a receiver.
 const SHADOW_MAPS: [(usize, u32); 3] = [(128, 100), (128, 400), (256, 1600)];
 /// Cells along a cascade, and steps.
-const VOLUMES: [(u32, u32); 4] = [(6, 24), (8, 32), (8, 64), (16, 64)];
+const VOLUMES: [(u32, u32); 5] = [(6, 24), (8, 32), (8, 64), (16, 64), (32, 64)];
 /// Cells along the scene, cones, and bounces.
-const CONES: [(u32, u32, u32); 4] = [(16, 6, 2), (16, 24, 8), (32, 24, 4), (32, 24, 8)];
+const CONES: [(u32, u32, u32); 6] = [(16, 6, 2), (16, 24, 8), (32, 24, 4), (32, 24, 8), (64, 24, 8), (128, 24, 8)];
 /// Bands, and points in the air.
 const HARMONICS: [(usize, usize); 4] = [(3, 8), (4, 32), (5, 32), (4, 128)];
 

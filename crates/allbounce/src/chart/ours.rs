@@ -13,13 +13,22 @@ use super::{
 };
 use crate::{numbers::percent, stage::kept};
 
-/// Patches, and error that packing the operator may cause, of each entry that gathers.
-const GATHERED: [(u32, f64); 7] =
-    [(100, 0.005), (200, 0.005), (500, 0.005), (1000, 0.005), (2500, 0.005), (1000, 0.02), (1000, 0.05)];
-/// The same of entries that interpolate.
+/// Patches, error that packing the operator may cause, and rays of each receiver, of each entry that gathers.
+const GATHERED: [(u32, f64, u32); 10] = [
+    (100, 0.005, 1024),
+    (200, 0.005, 1024),
+    (500, 0.005, 1024),
+    (1000, 0.005, 1024),
+    (2500, 0.005, 1024),
+    (1000, 0.02, 1024),
+    (1000, 0.05, 1024),
+    (2500, 0.002, 8192),
+    (5000, 0.002, 8192),
+    (10_000, 0.002, 8192),
+];
+/// Patches and error of packing of each entry that interpolates.
 const INTERPOLATED: [(u32, f64); 5] = [(100, 0.005), (200, 0.005), (500, 0.005), (1000, 0.005), (2500, 0.005)];
-/// Rays of each receiver that gathers; its rows are packed to [`GATHER_ERROR`]. Both as `allbounce bake` has them.
-const GATHER_RAYS: u32 = 1024;
+/// Error that packing the rows of receivers may cause, as `allbounce bake` has it.
 const GATHER_ERROR: f64 = 0.01;
 /// Points of a patch without elements, and rays from each point of a patch to every area light: patches are many, and each
 /// has dozens of points.
@@ -86,14 +95,14 @@ pub fn bytes_of_rows(rows: &Rows) -> usize {
 
 /// Enters all settings that gather.
 pub fn gather(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    for &(patches, error) in judge.choice.of(&GATHERED) {
+    for &(patches, error, rays) in judge.choice.of(&GATHERED) {
         let dense = ground.all_bounces(patches)?;
         let (start, progress) = (ground.session.seconds(), ground.session.progress());
         let packed = pack(&dense, error, ground)?;
         let (setting, patches) = (ground.setting, &dense.patches);
         let elements = transfer::subdivide(patches, setting.surfaces, setting.rays, &progress);
         let senders = Senders { patches, elements: &elements, rays: setting.rays };
-        let params = GatherParams { rays: GATHER_RAYS, ..GatherParams::default() };
+        let params = GatherParams { rays, ..GatherParams::default() };
         let need = transfer::gather_memory_needed(setting.receivers.len(), elements.senders(), &params)
             + hmatrix::rows_memory_needed(
                 setting.receivers.len(),
@@ -108,7 +117,8 @@ pub fn gather(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
         let receivers = Receivers::gathered(&gathered, elements.senders())?;
         let bytes_of_rows = gathered.stream.len() + 4 * gathered.sky.len();
         let parts = Parts { patches, elements: &elements, sky, operator: &operator, receivers, bytes_of_rows };
-        judge.enter(seconds, &mut Bake::new(name(patches, error), ground, parts)?)?;
+        let name = format!("{}, {rays} rays", name(patches, error));
+        judge.enter(seconds, &mut Bake::new(name, ground, parts)?)?;
     }
     Ok(())
 }

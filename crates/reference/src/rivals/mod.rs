@@ -1,6 +1,7 @@
 //! Other ways to light a still scene under lights that change, to hold Allbounce against.
 //!
-//! Each is a folder or file of its own, made from its source and tuned as its authors advise; none shares more with the
+//! Each is a folder or file of its own, made from its source. What the authors leave open is set to what was best in small closed
+//! rooms and the Cornell box, and whoever holds a rival against others tries several settings. None shares more with the
 //! product than [`crate::PathTracer`] does. All see the same scene, lights and receivers, and use all threads of the
 //! current rayon pool.
 
