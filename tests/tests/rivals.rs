@@ -55,9 +55,9 @@ fn allbounce_is_nearer_to_the_truth_than_the_published_method_and_paths_come_nea
     let rms = |entries: &[&Value]| number(entries[0], "rms");
     assert!(rms(&gather) < 0.1 && number(gather[0], "bias").abs() < 0.02, "{gather:?}");
     assert!(rms(&gather) < rms(&interpolate) && rms(&interpolate) < 0.5 * rms(&published), "{report}");
-    // Sixteen times as many paths are a quarter of the error, or less where they are stratified.
+    // Four times as many paths are half of the error, or less where they are stratified.
     let fell = number(paths[1], "rms") / rms(&paths);
-    assert!(fell < 0.35 && number(paths[1], "change_ms") > number(paths[0], "change_ms"), "{paths:?}");
+    assert!(fell < 0.65 && number(paths[1], "change_ms") > number(paths[0], "change_ms"), "{paths:?}");
     // Form factors are kept by all but paths, and no row is missing in the table.
     assert!(number(gather[0], "bytes") > number(interpolate[0], "bytes") && number(paths[0], "bytes") == 0.0);
     let table = Table::read(&out.join("chart.csv"));
@@ -98,9 +98,8 @@ fn a_camera_sees_the_light_of_every_method_side_by_side() {
     let shown = report["side_by_side"].as_array().expect("entries");
     let below = plot::caption_height(4);
     assert_eq!(picture.dimensions(), (5 * 40 + 4 * 8, 30 + below));
-    let lit = |tile: u32| {
-        (0..30).flat_map(|y| (0..40).map(move |x| (x, y))).all(|(x, y)| picture[(48 * tile + x, y)].0 != [255; 3])
-    };
+    // Where there is no tile all is white; few paths leave single pixels so.
+    let lit = |tile: u32| (0..1200).filter(|p| picture[(48 * tile + p % 40, p / 40)].0 != [255; 3]).count() > 600;
     let tiles = (0..5).filter(|tile| lit(*tile)).count();
     let methods: std::collections::BTreeSet<&str> = shown.iter().filter_map(|e| e["method"].as_str()).collect();
     assert_eq!((tiles, methods.len()), (3, 2), "{report}");

@@ -15,28 +15,24 @@ pub struct Contestant {
     pub name: &'static str,
     /// As the chart shows it.
     pub label: &'static str,
-    /// Which of its settings is seen side by side with the others: of those that take up to about half a second for 40 000
-    /// pixels on two cores the one nearest to the truth, of those that take longer the quickest. Of harmonic transfer one that
-    /// does not bake longer than that many pixels are traced.
-    pub pictured: usize,
     /// Enters its settings as the judge chooses.
     pub compete: fn(&Ground, &mut Judge) -> anyhow::Result<()>,
 }
 
 /// All of them.
 pub const ALL: &[Contestant] = &[
-    Contestant { name: "gather", label: "Allbounce, last gather", pictured: 4, compete: ours::gather },
-    Contestant { name: "interpolate", label: "Allbounce, interpolated", pictured: 4, compete: ours::interpolate },
-    Contestant { name: "published", label: "as published in 2019", pictured: 4, compete: published::compete },
-    Contestant { name: "path-tracing", label: "path tracing", pictured: 0, compete: paths::compete },
-    Contestant { name: "radiosity", label: "classical radiosity", pictured: 3, compete: radiosity },
-    Contestant { name: "shooting", label: "progressive refinement", pictured: 3, compete: shooting },
-    Contestant { name: "instant", label: "instant radiosity", pictured: 1, compete: instant },
-    Contestant { name: "instant-clamped", label: "instant radiosity, clamped", pictured: 1, compete: instant_clamped },
-    Contestant { name: "shadow-maps", label: "reflective shadow maps", pictured: 0, compete: shadow_maps },
-    Contestant { name: "volumes", label: "light propagation volumes", pictured: 0, compete: volumes },
-    Contestant { name: "cones", label: "voxel cones", pictured: 0, compete: cones },
-    Contestant { name: "harmonics", label: "harmonic transfer", pictured: 1, compete: harmonics },
+    Contestant { name: "gather", label: "Allbounce, last gather", compete: ours::gather },
+    Contestant { name: "interpolate", label: "Allbounce, interpolated", compete: ours::interpolate },
+    Contestant { name: "published", label: "as published in 2019", compete: published::compete },
+    Contestant { name: "path-tracing", label: "path tracing", compete: paths::compete },
+    Contestant { name: "radiosity", label: "classical radiosity", compete: radiosity },
+    Contestant { name: "shooting", label: "progressive refinement", compete: shooting },
+    Contestant { name: "instant", label: "instant radiosity", compete: instant },
+    Contestant { name: "instant-clamped", label: "instant radiosity, clamped", compete: instant_clamped },
+    Contestant { name: "shadow-maps", label: "reflective shadow maps", compete: shadow_maps },
+    Contestant { name: "volumes", label: "light propagation volumes", compete: volumes },
+    Contestant { name: "cones", label: "voxel cones", compete: cones },
+    Contestant { name: "harmonics", label: "harmonic transfer", compete: harmonics },
 ];
 
 /// Direct light on patches, as Allbounce has it in the chart.

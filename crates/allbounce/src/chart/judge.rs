@@ -29,6 +29,9 @@ const DIRECT_SAMPLES: u32 = 4;
 pub struct Entry {
     pub method: &'static str,
     pub settings: String,
+    /// Which of the method's settings it is.
+    #[serde(skip)]
+    pub number: usize,
     /// Indirect light of all receivers after the lights changed, ms: median of the frames of a light, mean over lights.
     pub change_ms: f64,
     /// The same and their direct light, ms.
@@ -38,6 +41,14 @@ pub struct Entry {
     pub bake_seconds: f64,
     #[serde(flatten)]
     pub score: Score,
+}
+
+/// A setting of a method that has no entry.
+#[derive(Debug, Serialize)]
+pub struct LeftOut {
+    pub method: &'static str,
+    pub settings: String,
+    pub why: String,
 }
 
 /// Which settings of a method are entered.
@@ -69,6 +80,9 @@ pub struct Judge<'a> {
     /// Which of its settings are entered.
     pub choice: Choice,
     pub entries: Vec<Entry>,
+    pub left_out: Vec<LeftOut>,
+    /// How many settings of the method came before.
+    tried: usize,
     /// Indirect irradiance that the last entry found under the last of the lights, W/m².
     pub light: Vec<[f32; 3]>,
     /// Direct light of the receivers, mean over lights.
@@ -78,13 +92,22 @@ pub struct Judge<'a> {
 impl<'a> Judge<'a> {
     pub fn new(ground: &'a Ground<'a>, rigs: &'a [LightRig], truths: &'a [Truth]) -> Judge<'a> {
         let direct_seconds = mean(rigs.iter().map(|rig| median(|| direct(ground, rig)).1));
-        Judge { rigs, truths, ground, label: "", choice: Choice::All, entries: vec![], light: vec![], direct_seconds }
+        let (choice, entries, left_out, light) = (Choice::All, vec![], vec![], vec![]);
+        Judge { rigs, truths, ground, label: "", choice, entries, left_out, tried: 0, light, direct_seconds }
     }
 
     /// Enters settings of a method.
     pub fn run(&mut self, contestant: &Contestant, choice: Choice) -> anyhow::Result<()> {
         (self.label, self.choice) = (contestant.label, choice);
+        self.tried = if let Choice::One(at) = choice { at } else { 0 };
         (contestant.compete)(self.ground, self).with_context(|| contestant.name)
+    }
+
+    /// Says that a setting is not entered, and why.
+    pub fn leave_out(&mut self, settings: String, why: String) {
+        self.ground.session.warn(&format!("{}, {settings}: left out; {why}", self.label));
+        self.left_out.push(LeftOut { method: self.label, settings, why });
+        self.tried += 1;
     }
 
     /// Makes a rival, which is its bake, and enters it.
@@ -108,6 +131,7 @@ impl<'a> Judge<'a> {
         let entry = Entry {
             method: self.label,
             settings: settings(self.label, &name).to_owned(),
+            number: self.tried,
             change_ms: 1e3 * change,
             frame_ms: 1e3 * (change + self.direct_seconds),
             bytes: rival.bytes(),
@@ -124,6 +148,7 @@ impl<'a> Judge<'a> {
             100.0 * bias
         ));
         self.entries.push(entry);
+        self.tried += 1;
         Ok(())
     }
 }

@@ -37,8 +37,8 @@ use crate::{
 };
 use contestants::{ALL, Contestant};
 use ground::Ground;
-use judge::{Choice, Entry, Judge};
-use side_by_side::Eye;
+use judge::{Choice, Entry, Judge, LeftOut};
+use side_by_side::{Eye, Sight};
 use truth::Truth;
 
 /// Receivers where none are given, and with --quick.
@@ -107,6 +107,7 @@ struct Report {
     threads: usize,
     note: String,
     entries: Vec<Entry>,
+    left_out: Vec<LeftOut>,
     /// The settings that side-by-side.png shows; receivers are pixels.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     side_by_side: Vec<Entry>,
@@ -130,29 +131,36 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let setting = Setting { scene: &scene, surfaces: &surfaces, rays: &rays, receivers: &receivers };
     let wanted = |c: &&Contestant| args.methods.is_empty() || args.methods.iter().any(|m| m == c.name);
     let contestants: Vec<&Contestant> = ALL.iter().filter(wanted).collect();
-    let side_by_side = match &args.camera {
-        Some(camera) => {
-            let eye = Eye { camera, size: args.size, truth_error: args.truth_error(), quick: args.quick };
-            side_by_side::draw(&eye, &contestants, &setting, &rigs[0], &args.output, session)?
-        }
-        None => vec![],
+    // What the camera file may lack is found before the long part.
+    let look = |camera| {
+        let eye = Eye { camera, size: args.size, truth_error: args.truth_error() };
+        Sight::new(eye, &setting, &rigs[0], &args.output, session)
     };
+    let sight = args.camera.as_deref().map(look).transpose()?;
     let truths = truths(args, &points, &setting, &rigs, session)?;
     let ground = Ground::new(setting, &points.position, session);
     let mut judge = Judge::new(&ground, &rigs, &truths);
-    for contestant in contestants {
+    for contestant in &contestants {
         judge.run(contestant, if args.quick { Choice::First } else { Choice::All })?;
     }
+    let Judge { entries, left_out, direct_seconds, .. } = judge;
+    // Its bakes are not needed any more.
+    drop(ground);
+    let side_by_side = match sight {
+        Some(sight) => sight.draw(&contestants, (&entries, receivers.len()), &setting, &args.output, session)?,
+        None => vec![],
+    };
     let file_name = |path: &PathBuf| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let report = Report {
         scene: file_name(&args.scene),
         lights: args.lights.iter().map(file_name).collect(),
         receivers: receivers.len(),
         truth_noise: score::quadratic_mean(truths.iter().map(score::noise)),
-        direct_ms: 1e3 * judge.direct_seconds,
+        direct_ms: 1e3 * direct_seconds,
         threads: rayon::current_num_threads(),
         note: args.note.clone(),
-        entries: judge.entries,
+        entries,
+        left_out,
         side_by_side,
         seconds: session.seconds(),
     };

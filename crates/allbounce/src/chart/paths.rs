@@ -11,8 +11,8 @@ use super::{
 
 /// Paths of a receiver in a frame.
 const PATHS: [u32; 6] = [4, 16, 64, 256, 1024, 4096];
-/// The fewest and the most are enough for a quick look.
-const QUICK: [u32; 2] = [4, 64];
+/// So many of these are enough for a quick look.
+const QUICK: usize = 2;
 
 struct Paths<'a> {
     ground: &'a Ground<'a>,
@@ -41,7 +41,7 @@ impl Rival for Paths<'_> {
 
 /// Enters all numbers of paths.
 pub fn compete(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    let counts: &[u32] = if judge.choice == Choice::First { &QUICK } else { judge.choice.of(&PATHS) };
+    let counts: &[u32] = if judge.choice == Choice::First { &PATHS[..QUICK] } else { judge.choice.of(&PATHS) };
     let normal: Vec<[f32; 3]> = ground.setting.receivers.iter().map(|r| r.normal.to_array()).collect();
     for &count in counts {
         judge.make(|| Ok(Paths { ground, count, normal: normal.clone() }))?;

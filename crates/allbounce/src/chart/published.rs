@@ -39,7 +39,7 @@ pub fn compete(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
         let dense = match baked::bake(&Recipe::published(patches, BOUNCES), &ground.setting, ground.session) {
             // Coarse voxels can fill a room, so that no side of one faces another.
             Err(error) if matches!(error.downcast_ref(), Some(voxel_simplify::Error::NothingSeen { .. })) => {
-                ground.session.warn(&format!("published, {patches} patches: left out; {error}"));
+                judge.leave_out(format!("{patches} patches"), error.to_string());
                 continue;
             }
             dense => dense?,

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::{Report, judge::Entry};
+use super::{Report, judge::Entry, side_by_side::how_chosen};
 use crate::{memory, numbers::percent};
 
 const COLUMNS: [&str; 9] =
@@ -42,7 +42,8 @@ fn side_by_side(report: &Report) -> String {
     format!(
         "![Side by side](side-by-side.png)\n\nIndirect light under {lights} as it is reflected to a camera, each pixel a receiver, all \
          with the exposure of the path-traced picture at the upper left. Below each: method, setting, time of a \
-         light change for all pixels, RMS against the traced picture.\n\n"
+         light change for all pixels, RMS against the traced picture. {}\n\n",
+        how_chosen()
     )
 }
 

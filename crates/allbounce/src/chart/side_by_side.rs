@@ -5,13 +5,13 @@
 
 use std::{f32::consts::PI, path::Path};
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use glam::{DVec3, Vec3};
 use radfile::Side;
 use rayon::prelude::*;
 use reference::rivals::Setting;
 use relight::{Image, View};
-use scene::{LightRig, NO_TRIANGLE};
+use scene::{LightRig, NO_TRIANGLE, SurfacePoint};
 
 use super::{
     contestants::Contestant,
@@ -32,6 +32,12 @@ const COLUMNS: usize = 5;
 /// Letters that fit below one.
 const LETTERS: usize = 30;
 
+/// Time of a light change that a picture of [`PIXELS`] may take, ms: a few pictures a second.
+const CHANGE_MS: f64 = 500.0;
+/// What its bake may take, s.
+const BAKE_SECONDS: f64 = 300.0;
+const PIXELS: f64 = 40_000.0;
+
 /// Who looks, and how closely.
 pub struct Eye<'a> {
     /// The camera file, or `scene`.
@@ -40,8 +46,6 @@ pub struct Eye<'a> {
     pub size: [usize; 2],
     /// Standard error of the truth, if that is more than a picture needs.
     pub truth_error: f64,
-    /// Whether the first setting of each method is enough.
-    pub quick: bool,
 }
 
 /// What is seen: receivers, and for each its reflectance and the number of its pixel.
@@ -51,38 +55,91 @@ struct Seen {
     pixel: Vec<usize>,
 }
 
-/// Draws one setting of each of these methods into `folder`, and tells how each did.
-pub fn draw(
-    eye: &Eye,
-    contestants: &[&'static Contestant],
-    scene: &Setting,
-    rig: &LightRig,
-    folder: &Path,
-    session: &Session,
-) -> anyhow::Result<Vec<Entry>> {
-    let seen = see(eye, scene)?;
-    let receivers = relight::surface_points(&scene.scene.mesh, &seen.points.position, &seen.points.normal);
-    let setting = Setting { receivers: &receivers, ..*scene };
-    let error = eye.truth_error.max(TRUTH_ERROR);
-    let truths = [Truth::trace(&seen.points, &setting, rig, error, &folder.join(FILES[1]), session)?];
-    if score::mean(&truths[0]) <= 0.0 {
-        bail!("{}: no indirect light reaches what the camera sees; take another camera", eye.camera.display());
+/// What a camera sees, and how it is lit.
+pub struct Sight<'a> {
+    eye: Eye<'a>,
+    seen: Seen,
+    receivers: Vec<SurfacePoint>,
+    rig: &'a LightRig,
+    truth: Truth,
+}
+
+impl<'a> Sight<'a> {
+    /// Looks, and traces the light of what is seen, which is written into `folder`.
+    pub fn new(
+        eye: Eye<'a>,
+        scene: &Setting,
+        rig: &'a LightRig,
+        folder: &Path,
+        session: &Session,
+    ) -> anyhow::Result<Sight<'a>> {
+        let seen = see(&eye, scene)?;
+        let receivers = relight::surface_points(&scene.scene.mesh, &seen.points.position, &seen.points.normal);
+        let setting = Setting { receivers: &receivers, ..*scene };
+        let error = eye.truth_error.max(TRUTH_ERROR);
+        let truth = Truth::trace(&seen.points, &setting, rig, error, &folder.join(FILES[1]), session)?;
+        if score::mean(&truth) <= 0.0 {
+            bail!("{}: no indirect light reaches what the camera sees; take another camera", eye.camera.display());
+        }
+        Ok(Sight { eye, seen, receivers, rig, truth })
     }
-    let light: Vec<[f32; 3]> = truths[0].indirect.iter().map(|h| h.map(|h| h as f32)).collect();
-    let caption = told(["path-traced".into(), format!("noise {}", percent(score::noise(&truths[0])))], "");
-    let (truth, exposure) = Srgb::of(&image(eye, &seen, &light), None);
-    let mut tiles = vec![truth.with_caption(&caption)?];
-    let ground = Ground::new(setting, &seen.points.position, session);
-    let mut judge = Judge::new(&ground, std::slice::from_ref(rig), &truths);
-    for contestant in contestants {
-        judge.run(contestant, if eye.quick { Choice::First } else { Choice::One(contestant.pictured) })?;
-        let entry = judge.entries.last().with_context(|| format!("{} entered nothing", contestant.name))?;
-        let (picture, _) = Srgb::of(&image(eye, &seen, &judge.light), Some(exposure));
-        let numbers = format!("{} ms, RMS {}", short(entry.change_ms), percent(entry.score.rms));
-        tiles.push(picture.with_caption(&told([entry.method.into(), numbers], &entry.settings))?);
+
+    /// Draws one setting of each of these methods into `folder`, chosen by what was `charted` at so many `receivers`, and
+    /// tells how each did.
+    pub fn draw(
+        &self,
+        contestants: &[&'static Contestant],
+        (charted, receivers): (&[Entry], usize),
+        scene: &Setting,
+        folder: &Path,
+        session: &Session,
+    ) -> anyhow::Result<Vec<Entry>> {
+        let (eye, seen, truths) = (&self.eye, &self.seen, std::slice::from_ref(&self.truth));
+        let setting = Setting { receivers: &self.receivers, ..*scene };
+        let light: Vec<[f32; 3]> = self.truth.indirect.iter().map(|h| h.map(|h| h as f32)).collect();
+        let caption = told(["path-traced".into(), format!("noise {}", percent(score::noise(&self.truth)))], "");
+        let (truth, exposure) = Srgb::of(&image(eye, seen, &light), None);
+        let mut tiles = vec![truth.with_caption(&caption)?];
+        let ground = Ground::new(setting, &seen.points.position, session);
+        let mut judge = Judge::new(&ground, std::slice::from_ref(self.rig), truths);
+        for contestant in contestants {
+            let of_method: Vec<&Entry> = charted.iter().filter(|e| e.method == contestant.label).collect();
+            let before = judge.entries.len();
+            if let Some(best) = chosen(&of_method, PIXELS / receivers as f64) {
+                judge.run(contestant, Choice::One(best.number))?;
+            }
+            let Some(entry) = judge.entries.get(before) else {
+                session.warn(&format!("{}: no picture, for it entered nothing", contestant.name));
+                continue;
+            };
+            let (picture, _) = Srgb::of(&image(eye, seen, &judge.light), Some(exposure));
+            let numbers = format!("{} ms, RMS {}", short(entry.change_ms), percent(entry.score.rms));
+            tiles.push(picture.with_caption(&told([entry.method.into(), numbers], &entry.settings))?);
+        }
+        Srgb::grid(&tiles, COLUMNS).write(&folder.join(FILES[0]))?;
+        Ok(judge.entries)
     }
-    Srgb::grid(&tiles, COLUMNS).write(&folder.join(FILES[0]))?;
-    Ok(judge.entries)
+}
+
+/// The entry of a method that is drawn: of those whose light change and bake are quick enough, if they grow with the receivers
+/// up to the `more` times as many of a picture, the one nearest to the truth; the quickest where none is.
+fn chosen<'a>(entries: &[&'a Entry], more: f64) -> Option<&'a Entry> {
+    let quick = |e: &&Entry| more * e.change_ms <= CHANGE_MS && more * e.bake_seconds <= BAKE_SECONDS;
+    let all = || entries.iter().copied();
+    all()
+        .filter(quick)
+        .min_by(|a, b| a.score.rms.total_cmp(&b.score.rms))
+        .or_else(|| all().min_by(|a, b| a.change_ms.total_cmp(&b.change_ms)))
+}
+
+/// What the page says of the choice.
+pub fn how_chosen() -> String {
+    format!(
+        "Shown is the charted setting of least RMS of those whose light change would take up to {} s and bake up to {} min for \
+         {PIXELS} pixels if both grew with their number, or else the quickest.",
+        CHANGE_MS / 1e3,
+        BAKE_SECONDS / 60.0
+    )
 }
 
 /// First hits of the camera.
@@ -132,4 +189,27 @@ fn told([title, numbers]: [String; 2], settings: &str) -> [String; 4] {
     let end = all.or(breaks.filter(|at| *at <= LETTERS).last()).unwrap_or(settings.len());
     let (first, rest) = settings.split_at(end);
     [title, numbers, first.into(), rest.trim_start().into()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Entry, chosen};
+    use crate::chart::score::Score;
+
+    fn entry(change_ms: f64, bake_seconds: f64, rms: f64) -> Entry {
+        let score = Score { rms, bias: 0.0, vis99: rms };
+        let (settings, number) = (String::new(), 0);
+        Entry { method: "", settings, number, change_ms, frame_ms: change_ms, bytes: 0, bake_seconds, score }
+    }
+
+    #[test]
+    fn the_nearest_of_the_quick_is_drawn_or_else_the_quickest() {
+        let [rough, good] = [entry(1.0, 0.0, 0.5), entry(20.0, 10.0, 0.1)];
+        let [slow, baked] = [entry(30.0, 0.0, 0.01), entry(1.0, 20.0, 0.01)];
+        // Twenty times as many pixels: 25 ms and 15 s are just quick enough.
+        let rms = |entries: &[&Entry]| chosen(entries, 20.0).map(|e| e.score.rms);
+        assert_eq!(rms(&[&rough, &good, &slow, &baked]), Some(0.1));
+        assert_eq!(rms(&[&entry(40.0, 0.0, 0.005), &slow]), Some(0.01));
+        assert_eq!(rms(&[]), None);
+    }
 }
