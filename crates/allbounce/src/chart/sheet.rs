@@ -2,7 +2,11 @@
 
 use std::fmt::Write;
 
-use super::{Report, judge::Entry, side_by_side::how_chosen};
+use super::{
+    Report,
+    judge::{Entry, LeftOut},
+    side_by_side::how_chosen,
+};
 use crate::{memory, numbers::percent};
 
 const COLUMNS: [&str; 9] =
@@ -58,19 +62,24 @@ fn line(e: &Entry) -> String {
 
 /// What was measured, a sentence a line.
 fn about(report: &Report) -> String {
-    let Report { scene, lights, receivers, truth_noise, direct_ms, threads, note, .. } = report;
+    let Report { scene, lights, receivers, truth_noise, direct_ms, threads, note, left_out, .. } = report;
     let mut text = format!(
-        "Indirect irradiance of {receivers} points of {scene} under {}, {threads} threads.\n\
+        "Indirect irradiance of {receivers} points of {scene} under {}, {threads} threads; the shots of progressive refinement follow each other on one.\n\
          Light change: indirect light of all points after the lights changed, median of several frames; frame: the same and their \
          direct light ({} ms, alike for all).\n\
-         Memory: what is kept from one change to the next beside the scene. Bake: what is done once a scene and set of points.\n\
+         Memory: what is kept from one change to the next beside the scene, without what every change makes anew: shadow maps, virtual \
+         lights, the light in propagation volumes. Bake: what is done once a scene and set of points.\n\
          RMS: over the mean of the truth; bias: of the mean; vis99: 99th percentile of the error relative to the light there and a tenth of \
          its mean.\n\
-         The truth is path-traced; its own noise, {} of its mean (RMS), is taken off the RMS.\n",
+         Several lights: times are means, RMS the quadratic mean, bias the one furthest from 0, vis99 the mean.\n\
+         The truth is path-traced; its own noise, {} of its mean (RMS), is taken off the RMS, but is in vis99.\n",
         lights.join(", "),
         short(*direct_ms),
         percent(*truth_noise)
     );
+    for LeftOut { method, settings, why } in left_out {
+        text += &format!("Left out: {method}, {settings}; {why}.\n");
+    }
     if !note.is_empty() {
         text += &format!("Measured on: {note}.\n");
     }

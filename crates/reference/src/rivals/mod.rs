@@ -2,8 +2,8 @@
 //!
 //! Each is a folder or file of its own, made from its source. What the authors leave open is set to what was best in small closed
 //! rooms and the Cornell box, and whoever holds a rival against others tries several settings. None shares more with the
-//! product than [`crate::PathTracer`] does. All see the same scene, lights and receivers, and use all threads of the
-//! current rayon pool.
+//! product than [`crate::PathTracer`] does. All see the same scene, lights and receivers, and spread their work over
+//! the threads of the current rayon pool, but for what goes one step after the other: the shots of progressive refinement.
 
 mod cones;
 mod harmonics;
