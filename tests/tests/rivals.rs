@@ -71,6 +71,13 @@ fn allbounce_is_nearer_to_the_truth_than_the_published_method_and_paths_come_nea
         assert!(read("chart.svg").contains(method) && read("chart.md").contains(method), "{method} is not shown");
     }
     assert!(read("chart.md").contains("a note") && read("chart.csv").contains("a note"));
+    // What cannot be told from the truth's noise is a bound, and never drawn below.
+    let least = 0.5 * number(&report, "truth_noise");
+    assert!(entries.iter().all(|e| number(e, "rms") >= least), "{report}");
+    for (entry, bound) in entries.iter().zip(table.column("rms_is_bound")) {
+        assert_eq!(entry["rms_is_bound"].as_bool(), Some(bound == 1.0), "{entry}");
+        assert_eq!(bound == 1.0, number(entry, "rms") == least, "{entry}");
+    }
     // Truth that is read again is the same truth.
     let truth = folder.path().join("truth.csv");
     std::fs::rename(out.join("truth.csv"), &truth).expect("the truth is written");

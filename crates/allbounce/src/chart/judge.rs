@@ -15,7 +15,7 @@ use super::{
     score::{self, Score},
     truth::Truth,
 };
-use crate::runtime;
+use crate::{numbers::percent, runtime};
 
 /// Frames of a light at most.
 const FRAMES: usize = 9;
@@ -41,6 +41,15 @@ pub struct Entry {
     pub bake_seconds: f64,
     #[serde(flatten)]
     pub score: Score,
+    /// Whether the RMS is but a bound: the truth is not sure enough to tell a smaller one.
+    pub rms_is_bound: bool,
+}
+
+impl Entry {
+    /// For people.
+    pub fn rms(&self) -> String {
+        format!("{}{}", if self.rms_is_bound { "< " } else { "" }, percent(self.score.rms))
+    }
 }
 
 /// A setting of a method that has no entry.
@@ -128,6 +137,7 @@ impl<'a> Judge<'a> {
             self.light = light;
         }
         let (change, name) = (mean(seconds.into_iter()), rival.name());
+        let (score, least) = (score::of_all(&scores), score::least_rms(self.truths));
         let entry = Entry {
             method: self.label,
             settings: settings(self.label, &name).to_owned(),
@@ -136,16 +146,16 @@ impl<'a> Judge<'a> {
             frame_ms: 1e3 * (change + self.direct_seconds),
             bytes: rival.bytes(),
             bake_seconds,
-            score: score::of_all(&scores),
+            rms_is_bound: score.rms < least,
+            score: Score { rms: score.rms.max(least), ..score },
         };
-        let Score { rms, bias, .. } = entry.score;
         self.ground.session.say(&format!(
-            "{}, {}: {:.2} ms, RMS {:.2} %, bias {:+.2} %",
+            "{}, {}: {:.2} ms, RMS {}, bias {}",
             entry.method,
             entry.settings,
             entry.change_ms,
-            100.0 * rms,
-            100.0 * bias
+            entry.rms(),
+            percent(entry.score.bias)
         ));
         self.entries.push(entry);
         self.tried += 1;

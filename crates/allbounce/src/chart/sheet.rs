@@ -5,20 +5,22 @@ use std::fmt::Write;
 use super::{
     Report,
     judge::{Entry, LeftOut},
+    score::Score,
     side_by_side::how_chosen,
 };
 use crate::{memory, numbers::percent};
 
-const COLUMNS: [&str; 9] =
-    ["method", "settings", "change_ms", "frame_ms", "bytes", "bake_seconds", "rms", "bias", "vis99"];
+const COLUMNS: [&str; 10] =
+    ["method", "settings", "change_ms", "frame_ms", "bytes", "bake_seconds", "rms", "bias", "vis99", "rms_is_bound"];
 
 /// One line an entry.
 pub fn csv(report: &Report) -> anyhow::Result<String> {
     let mut out = csv::Writer::from_writer(Vec::new());
     out.write_record(COLUMNS)?;
     for e in &report.entries {
-        let numbers =
-            [e.change_ms, e.frame_ms, e.bytes as f64, e.bake_seconds, e.score.rms, e.score.bias, e.score.vis99];
+        let Score { rms, bias, vis99 } = e.score;
+        let bound = f64::from(u8::from(e.rms_is_bound));
+        let numbers = [e.change_ms, e.frame_ms, e.bytes as f64, e.bake_seconds, rms, bias, vis99, bound];
         out.write_record([e.method, &e.settings].map(String::from).into_iter().chain(numbers.map(six_digits)))?;
     }
     Ok(about(report).lines().map(|line| format!("# {line}\n")).collect::<String>()
@@ -55,8 +57,8 @@ fn line(e: &Entry) -> String {
     let mut text = format!("| {} | {} | {} ms | {} ms ", e.method, e.settings, short(e.change_ms), short(e.frame_ms));
     let bake = if e.bake_seconds < 0.001 { "–".into() } else { format!("{} s", short(e.bake_seconds)) };
     let kept = if e.bytes == 0 { "–".into() } else { memory::size(e.bytes) };
-    let [rms, bias, vis99] = [e.score.rms, e.score.bias, e.score.vis99].map(percent);
-    writeln!(text, "| {kept} | {bake} | {rms} | {bias} | {vis99} |").expect("writing to a string");
+    let [bias, vis99] = [e.score.bias, e.score.vis99].map(percent);
+    writeln!(text, "| {kept} | {bake} | {} | {bias} | {vis99} |", e.rms()).expect("writing to a string");
     text
 }
 
@@ -72,7 +74,9 @@ fn about(report: &Report) -> String {
          RMS: over the mean of the truth; bias: of the mean; vis99: 99th percentile of the error relative to the light there and a tenth of \
          its mean.\n\
          Several lights: times are means, RMS the quadratic mean, bias the one furthest from 0, vis99 the mean.\n\
-         The truth is path-traced; its own noise, {} of its mean (RMS), is taken off the RMS, but is in vis99.\n",
+         The truth is path-traced; its own noise, {} of its mean (RMS), is taken off the RMS, but is in vis99.\n\
+         An RMS below half of that noise is not known, for the noise itself is known but to an eighth: it is given as that bound \
+         (<; rms_is_bound 1 in the table of numbers) and drawn there.\n",
         lights.join(", "),
         short(*direct_ms),
         percent(*truth_noise)

@@ -113,7 +113,7 @@ impl<'a> Sight<'a> {
                 continue;
             };
             let (picture, _) = Srgb::of(&image(eye, seen, &judge.light), Some(exposure));
-            let numbers = format!("{} ms, RMS {}", short(entry.change_ms), percent(entry.score.rms));
+            let numbers = format!("{} ms, RMS {}", short(entry.change_ms), entry.rms());
             tiles.push(picture.with_caption(&told([entry.method.into(), numbers], &entry.settings))?);
         }
         Srgb::grid(&tiles, COLUMNS).write(&folder.join(FILES[0]))?;
@@ -199,7 +199,17 @@ mod tests {
     fn entry(change_ms: f64, bake_seconds: f64, rms: f64) -> Entry {
         let score = Score { rms, bias: 0.0, vis99: rms };
         let (settings, number) = (String::new(), 0);
-        Entry { method: "", settings, number, change_ms, frame_ms: change_ms, bytes: 0, bake_seconds, score }
+        Entry {
+            method: "",
+            settings,
+            number,
+            change_ms,
+            frame_ms: change_ms,
+            bytes: 0,
+            bake_seconds,
+            score,
+            rms_is_bound: false,
+        }
     }
 
     #[test]
