@@ -131,7 +131,12 @@ impl<'a> Judge<'a> {
         let (mut scores, mut seconds) = (Vec::new(), Vec::new());
         for (rig, truth) in self.rigs.iter().zip(self.truths) {
             let (light, median) = median(|| rival.indirect(rig, &Quiet));
-            ensure!(light.as_flattened().iter().all(|v| v.is_finite()), "{}", runtime::TOO_BRIGHT);
+            ensure!(
+                light.as_flattened().iter().all(|v| v.is_finite()),
+                "{}: light that is not finite; leave the method out (--methods), or, if all fail, {}",
+                rival.name(),
+                runtime::TOO_BRIGHT
+            );
             scores.push(score::score(&light, truth));
             seconds.push(median);
             self.light = light;
