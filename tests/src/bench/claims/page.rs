@@ -101,3 +101,32 @@ fn verdict(cells: &[&Claim]) -> String {
         some => format!("in {some} of {}", cells.len()),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Claim, Kind, verdict};
+
+    fn claim(holds: bool) -> Claim {
+        let (scene, what) = (String::new(), String::new());
+        Claim {
+            kind: Kind::Speed,
+            scene,
+            n: 1,
+            what,
+            before: 1.0,
+            after: 1.0,
+            unit: "ms",
+            claimed: 1.0,
+            measured: 1.0,
+            holds,
+        }
+    }
+
+    #[test]
+    fn a_verdict_counts_the_scenes_in_which_a_claim_holds() {
+        let (yes, no) = (claim(true), claim(false));
+        assert_eq!(verdict(&[&yes, &yes]), "yes");
+        assert_eq!(verdict(&[&no, &no]), "**no**");
+        assert_eq!(verdict(&[&no, &yes, &no]), "in 1 of 3");
+    }
+}
