@@ -218,7 +218,7 @@ charts: stability rival-charts
 stability: setup
 	cargo run --release -p allbounce-tests --example make_charts
 
-# Speed against accuracy of every method in the bundled rooms, half an hour; a quiet machine, named by MACHINE, times better.
+# Speed against accuracy of every method in the bundled rooms, half an hour or more; a quiet machine, named by MACHINE, times better.
 rival-charts: build
 	mkdir -p out
 	$(call rival-chart,cornell,lamp point,camera,200x200)

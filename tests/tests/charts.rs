@@ -6,6 +6,7 @@ use allbounce_tests::{
     charts::{
         Claim, Effort, Figure, all, judge,
         monte_carlo::closed_form_factors,
+        page,
         rectangles::{Rectangle, exchange_area},
         room::Room,
         table::{Cell, rows},
@@ -52,6 +53,7 @@ fn line(row: &[Cell]) -> String {
 #[test]
 fn the_page_shows_every_chart_with_its_caption() {
     let page = committed("README.md");
+    assert!(page.starts_with(&format!("{}\n## ", page::HEAD)), "other words before the figures; run `make charts`");
     for figure in FIGURES.iter() {
         let claims = figure.claims.iter().map(|claim| claim.says.as_str());
         for words in claims.chain([figure.setting.as_str(), figure.chart.title.as_str()]) {
