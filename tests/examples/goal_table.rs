@@ -15,10 +15,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         "# What a bake chooses\n\n\
          `allbounce bake SCENE --error E`, measured on {machine}, commit {commit}; made by `make goals`.\n\n\
          Certified: mean over lights of the RMS of indirect irradiance relative to its mean, at points of the surfaces, under lights\n\
-         that had no part in any choice, held to path-traced light. Worst: the worst of these lights. Frames: bytes that a frame reads\n\
-         beside the scene, and the time of the indirect light of all receivers. Bake: everything, trials and truth included.\n\n\
-         | scene | asked | patches | rays a patch | packing | receivers | frames | a frame | bake | certified | worst |\n\
-         |---|--:|--:|--:|--:|---|--:|--:|--:|--:|--:|\n"
+         that had no part in any choice, held to path-traced light. Worst: the worst of these lights. Vertices: what\n\
+         their light differs by from a last gather of many rays, on top of that or, where they interpolate, a part of it. Frames:\n\
+         bytes that a frame reads beside the scene, and the time of the indirect light of all vertices. Bake: everything, trials and truth included.\n\n\
+         | scene | asked | patches | rays a patch | packing | receivers | frames | a frame | bake | certified | worst | vertices |\n\
+         |---|--:|--:|--:|--:|---|--:|--:|--:|--:|--:|--:|\n"
     );
     for path in reports {
         let report: Value = serde_json::from_str(&std::fs::read_to_string(path)?)?;
@@ -40,7 +41,7 @@ fn row(scene: &str, report: &Value) -> Option<String> {
     let worst = accuracy["lights"].as_array()?.iter().filter_map(|l| l["rms"].as_f64()).fold(0.0, f64::max);
     let percent = |share: f64| format!("{:.1} %", 100.0 * share);
     Some(format!(
-        "| {scene} | {} | {} {}, {} channel(s) | {:.0} | {} | {receivers} | {:.2} MiB | {:.1} ms | {:.0} s | {} | {} |\n",
+        "| {scene} | {} | {} {}, {} channel(s) | {:.0} | {} | {receivers} | {:.2} MiB | {:.1} ms | {:.0} s | {} | {} | {} |\n",
         percent(accuracy["error_wanted"].as_f64()?),
         report["patches"],
         report["kind"].as_str()?,
@@ -52,5 +53,6 @@ fn row(scene: &str, report: &Value) -> Option<String> {
         report["seconds"].as_f64()?,
         percent(accuracy["rms"].as_f64()?),
         percent(worst),
+        percent(accuracy["parts"]["receivers"].as_f64()?),
     ))
 }

@@ -35,7 +35,7 @@ fn an_error_is_kept_under_other_lights_and_said_in_the_file() {
     let mean = accuracy.lights.iter().map(|l| l.rms).sum::<f64>() / accuracy.lights.len() as f64;
     assert!(accuracy.lights.len() >= 4 && (mean - accuracy.rms).abs() < 1e-9, "{accuracy:?}");
     let parts = accuracy.parts;
-    assert!(parts.packing <= 0.11 && parts.form_factors <= 0.05 && parts.solver < 1e-6, "{parts:?}");
+    assert!(parts.packing <= 0.035 && parts.form_factors <= 0.05 && parts.solver < 1e-6, "{parts:?}");
     let rms = fine_report["accuracy"]["rms"].as_f64().expect("a number");
     assert!(rms <= 0.08 && rms < accuracy.rms, "{rms} against {}", accuracy.rms);
     let of = |report: &Value, key: &str| report[key].as_f64().expect("a number");
@@ -88,12 +88,13 @@ fn memory_and_time_are_kept_or_refused_with_a_figure() {
     let folder = tempfile::tempdir().expect("a folder");
     let (_, report) = bake(folder.path(), "small", &["--memory", "300KiB"]);
     let bytes = report["bytes_of_frames"].as_u64().expect("a number");
-    assert!(bytes > 30 << 10 && bytes <= 300 << 10, "{bytes} bytes");
+    assert!(bytes > 100 << 10 && bytes <= 300 << 10, "{bytes} bytes");
     let cornell = asset("cornell/cornell.obj");
     let output = text(&folder.path().join("none.rad"));
     let goal = |options: &[&str]| allbounce(["bake", &cornell, "-o", &output].iter().chain(options));
     goal(&["--memory", "1KiB"]).refused(&["the coarsest bake takes", "more than 1.0 KiB", "allow more"]);
-    goal(&["--error", "20%", "--time-per-frame", "1us"]).refused(&["ms a frame, more than 0.00 ms", "larger --error"]);
+    goal(&["--error", "20%", "--time-per-frame", "1us"])
+        .refused(&["ms a frame, more than 1.00 µs (--time-per-frame)", "larger --error"]);
     for clash in [["--patches", "300"], ["--rays", "512"], ["--operator", "textures"], ["--gather-rays", "64"]] {
         let run = goal(&[&["--error", "5%"][..], &clash].concat());
         assert!(run.code == Some(2) && run.stderr.contains("cannot be used with"), "{clash:?}: {}", run.stderr);
@@ -141,7 +142,7 @@ fn certificates_agree_with_another_renderer() {
         assert!(accuracy.rms <= 0.05, "{}", accuracy.rms);
         for error in errors {
             assert!(
-                error <= 1.3 * accuracy.rms && error <= 0.055,
+                error <= 1.3 * accuracy.rms && accuracy.rms <= 1.5 * error,
                 "{scene}: certified {}, found {error}",
                 accuracy.rms
             );

@@ -69,7 +69,7 @@ fn a_bake_is_the_chain_of_its_stages_and_the_same_for_any_thread_count() {
 fn inspect_tells_what_a_bake_was_measured_to_be() {
     let shown = allbounce(["inspect", &text(&root().join("tests/compat/1.4/certified.rad"))]).done().stdout;
     let line = "accuracy: 4.7 % of indirect light (asked 6.25 %) at 800 points under 2 lights, worst 6.2 %; \
-                discretisation 4.0 %, form factors 2.0 %, solver 0.0 %, packing 1.0 %, receivers on top 1.6 %\n";
+                discretisation 4.0 %, form factors 2.0 %, solver 0.0 %, packing 1.0 %, vertices 1.6 %\n";
     assert!(shown.contains(line), "{shown}");
 }
 

@@ -50,9 +50,9 @@ enum Mode {
 }
 
 impl Options {
-    /// Receivers that interpolate.
+    /// Vertices that interpolate, and no other receivers.
     pub fn interpolated(&self) -> Options {
-        Options { mode: Some(Mode::Interpolate), ..self.clone() }
+        Options { mode: Some(Mode::Interpolate), lightmap: None, lightmap_padding: None, volume: None, ..self.clone() }
     }
 
     /// Receivers that gather by so many rays, packed to an error.

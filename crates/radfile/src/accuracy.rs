@@ -51,7 +51,8 @@ pub struct ErrorParts {
     pub solver: f64,
     /// Packing of the operator, under probe lights.
     pub packing: f64,
-    /// What comes on top at the receivers of the file: rays and packing of their rows, or interpolation.
+    /// What vertices differ from a last gather of many rays: by rays and packing of their rows, on top of the rms, or by
+    /// interpolation, a part of it.
     pub receivers: f64,
 }
 

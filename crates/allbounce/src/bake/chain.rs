@@ -11,7 +11,7 @@ use crate::{
 };
 
 /// What the stages of one bake reported.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Log {
     /// Name and numbers of each.
     stages: Vec<(&'static str, Value)>,

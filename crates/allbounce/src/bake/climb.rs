@@ -13,19 +13,26 @@ use crate::{numbers::percent, session::Session};
 /// Patches of the first trial.
 const FIRST: u32 = 50;
 /// Part of the wanted error at which a trial is good enough, as other lights may be harder, and the part that the next one aims at.
-pub const ENOUGH: f64 = 0.8;
-const AIM: f64 = 0.7;
+pub const ENOUGH: f64 = 0.9;
+const AIM: f64 = 0.8;
 /// The error is taken to fall with this power of the number of patches until two trials tell; then within these bounds.
 const POWER: f64 = 0.9;
-const POWERS: [f64; 2] = [0.7, 1.2];
+const POWERS: [f64; 2] = [0.5, 1.2];
 /// Least and most growth from one trial to the next.
 const GROWTH: [f64; 2] = [1.25, 2.2];
-/// Adaptive patches are tried from here on, and must be better by so much.
+/// Adaptive patches are tried from so many patches on and below such an error, as a pilot that errs more misleads, and must be
+/// better by so much.
 const ADAPTIVE: u64 = 300;
+const TELLING: f64 = 0.1;
 const BETTER: f64 = 0.9;
 /// Trials in a row that hardly got better, after which the error counts as out of reach, and what is hardly.
 const STUCK: usize = 2;
 const HARDLY: f64 = 0.95;
+
+/// Errors below this one are not told from none.
+const LEAST: f64 = 1e-6;
+/// The largest error that can be asked for.
+const LARGEST: f64 = 0.5;
 
 /// How patches are made.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -64,11 +71,11 @@ impl<'a> Climb<'a> {
     pub fn to(&mut self, error: f64) -> anyhow::Result<Rung> {
         loop {
             let patches = self.next(AIM * error);
-            let rung = self.trial(patches, error).map_err(|cause| self.out_of_reach(cause, patches, error))?;
+            let rung = self.trial(patches, error).map_err(|cause| self.out_of_reach(cause, patches))?;
             if rung.error <= ENOUGH * error {
                 return Ok(rung);
             }
-            self.give_up_if_stuck(error)?;
+            self.give_up_if_stuck()?;
         }
     }
 
@@ -78,18 +85,18 @@ impl<'a> Climb<'a> {
             Some(Kind::Adaptive) => self.bake(patches, error, true)?,
             _ => self.bake(patches, error, false)?,
         };
-        if self.kind.is_none() && rung.patches >= ADAPTIVE && rung.error > ENOUGH * error && self.pilot.is_some() {
+        self.pilot = rung.pilot.take().or(self.pilot.take());
+        let tells = rung.patches >= ADAPTIVE && rung.error < TELLING && self.pilot.is_some();
+        if self.kind.is_none() && tells && rung.error > ENOUGH * error {
             let adaptive = self.bake(patches, error, true)?;
             let pays = adaptive.error < BETTER * rung.error;
             self.kind = Some(if pays { Kind::Adaptive } else { Kind::Uniform });
             if pays {
                 self.path.clear();
-                self.pilot = rung.pilot.take().or(self.pilot.take());
                 rung = adaptive;
             }
         }
-        self.path.push((rung.patches as f64, rung.error));
-        self.pilot = rung.pilot.take().or(self.pilot.take());
+        self.path.push((rung.patches as f64, rung.error.max(LEAST)));
         Ok(rung)
     }
 
@@ -124,31 +131,38 @@ impl<'a> Climb<'a> {
         (patches * (found / error).powf(1.0 / power).clamp(GROWTH[0], GROWTH[1])).round() as u32
     }
 
-    fn give_up_if_stuck(&self, error: f64) -> anyhow::Result<()> {
+    fn give_up_if_stuck(&self) -> anyhow::Result<()> {
         let hardly = |pair: &[(f64, f64)]| pair[1].1 > HARDLY * pair[0].1;
         let stuck = self.path.len() > STUCK && self.path[self.path.len() - STUCK - 1..].windows(2).all(hardly);
         if stuck {
-            bail!("{}; more patches do not help", self.best(error));
+            bail!("{}; more patches do not help", self.best());
         }
         Ok(())
     }
 
-    fn out_of_reach(&self, cause: anyhow::Error, patches: u32, error: f64) -> anyhow::Error {
+    fn out_of_reach(&self, cause: anyhow::Error, patches: u32) -> anyhow::Error {
         if self.path.is_empty() {
             return cause;
         }
-        cause.context(format!("{}; about {patches} patches were next", self.best(error)))
+        cause.context(format!("{}; about {patches} patches were next", self.best()))
     }
 
     /// What was reached, and what to ask for instead.
-    fn best(&self, error: f64) -> String {
-        let best = self.path.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
-        let patches = self.path.last().map_or(0.0, |p| p.0);
-        format!(
-            "an error of {} was not reached: it is {} with {patches} patches; ask for --error {:.1}% or more",
-            percent(error),
-            percent(best),
-            100.0 * best / ENOUGH
-        )
+    fn best(&self) -> String {
+        let best = self.path.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
+        let (patches, error) = best.unwrap_or((0.0, f64::INFINITY));
+        let reached = format!("the error is {} with {patches} patches", percent(error));
+        match self.args.goal.error {
+            Some(asked) if error / ENOUGH < LARGEST => format!(
+                "an error of {} was not reached: {reached}; ask for --error {:.1}% or more",
+                percent(asked),
+                100.0 * error / ENOUGH
+            ),
+            Some(asked) => format!(
+                "an error of {} was not reached: {reached}; bake by --patches instead of --error",
+                percent(asked)
+            ),
+            None => reached,
+        }
     }
 }

@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use radfile::{Accuracy, Builder, Container, ErrorParts, LightAccuracy, Record, Transfer, Weights};
+use radfile::{Accuracy, Builder, Container, ErrorParts, LightAccuracy, Record, Transfer};
 use relight::{PatchSamples, Receivers};
 use scene::{NO_TRIANGLE, SurfacePoint};
 
@@ -14,15 +14,15 @@ use super::{
     jury::{self, Case, Jury, Lit},
     rung::{PACKABLE, Rung},
 };
-use crate::{chart::score, session::Session, transfer};
+use crate::{chart::score, session::Session};
 
 /// Parts of the error that rays of the receivers may cause, and packing of their rows.
 const RAYS: f64 = 0.4;
-const PACKING: f64 = 0.25;
+const PACKING: f64 = 0.1;
 /// Numbers of rays that are tried.
 const FEWEST_RAYS: u32 = 64;
-/// Receivers that are held to a last gather of many rays.
-const CHECKED: usize = 256;
+/// Vertices that are held to a last gather of many rays.
+const CHECKED: usize = 512;
 /// Frames that are timed.
 const FRAMES: usize = 5;
 /// Sections that a frame reads, by how their names begin: operator, rows of receivers, elements, tables of patches.
@@ -54,13 +54,13 @@ pub struct Finished {
     interpolates: bool,
     /// What a frame reads beside the scene.
     pub bytes: u64,
-    /// Indirect light of all receivers, median.
+    /// Indirect light of all vertices, median.
     pub seconds_a_frame: f64,
-    /// What comes on top of the error at the receivers.
+    /// What vertices differ from a last gather of many rays.
     pub receivers: f64,
 }
 
-/// Adds receivers for an error.
+/// Adds receivers for an error: they interpolate if that is good enough, or gather by as few rays as are.
 pub fn finish(
     args: &Args,
     jury: &Jury,
@@ -69,9 +69,22 @@ pub fn finish(
     cases: &[Case],
     session: &Session,
 ) -> anyhow::Result<Finished> {
-    let options = jury.ask(&rung.baked, cases, session, |lit| receivers(args, jury, lit, cases, error, session))?;
-    let mut log = rung.log;
-    let baked = log.link(&options, &rung.baked, &session.brief())?;
+    let (mut log, mut interpolating) = (rung.log.clone(), rung.log);
+    let mut baked = interpolating.link(&args.transfer.interpolated(), &rung.baked, &session.brief())?;
+    let interpolates = !args.transfer.asks_for_more()
+        && jury.ask(&baked, cases, session, |lit| {
+            let scores = jury::scores(&lit.interpolated(&jury.points, session), cases);
+            Ok(jury::median(&scores) <= ENOUGH * error)
+        })?;
+    if interpolates {
+        log = interpolating;
+    } else {
+        // Vertices are the same however light comes to them.
+        let (vertices, _) = some_of(&Transfer::read(&baked)?);
+        let rays = jury.ask(&rung.baked, cases, session, |lit| rays(lit, &vertices, error, session))?;
+        let packing = (PACKING * error).clamp(PACKABLE[0], PACKABLE[1]);
+        baked = log.link(&args.transfer.gathered(rays, packing), &rung.baked, &session.brief())?;
+    }
     let of_frame = |name: &str| FRAME.iter().any(|prefix| name.starts_with(prefix));
     let bytes = baked.sections().iter().filter(|s| of_frame(&s.name)).map(|s| s.length).sum();
     let transfer = Transfer::read(&baked)?;
@@ -79,50 +92,41 @@ pub fn finish(
         let receivers = Receivers::new(&transfer.weights, lit.senders.elements.senders())?;
         Ok((time(lit, &receivers, cases, session), on_top(lit, &receivers, &transfer, session)?))
     })?;
-    let interpolates = matches!(transfer.weights, Weights::Interpolated(_));
     drop(transfer);
     Ok(Finished { baked, log, interpolates, bytes, seconds_a_frame, receivers })
 }
 
-/// How receivers get their light: interpolated if that is good enough, or by as few rays as are.
-fn receivers(
-    args: &Args,
-    jury: &Jury,
-    lit: &Lit,
-    cases: &[Case],
-    error: f64,
-    session: &Session,
-) -> anyhow::Result<transfer::Options> {
-    let points = &jury.points;
-    if !args.transfer.asks_for_more()
-        && jury::median(&jury::scores(&lit.interpolated(points, session), cases)) <= ENOUGH * error
-    {
-        return Ok(args.transfer.interpolated());
-    }
-    let best = lit.gathered(points, jury::RAYS, session)?;
+/// The fewest rays of a last gather that change the light of vertices by little.
+fn rays(lit: &Lit, vertices: &[SurfacePoint], error: f64, session: &Session) -> anyhow::Result<u32> {
+    let best = lit.gathered(vertices, jury::RAYS, session)?;
     let mut rays = FEWEST_RAYS;
-    while rays < jury::RAYS && jury::difference(&lit.gathered(points, rays, session)?, &best) > RAYS * error {
+    while rays < jury::RAYS && jury::difference(&lit.gathered(vertices, rays, session)?, &best) > RAYS * error {
         rays *= 2;
     }
-    Ok(args.transfer.gathered(rays, (PACKING * error).clamp(PACKABLE[0], PACKABLE[1])))
+    Ok(rays)
 }
 
-/// RMS by which receivers differ from a last gather of many rays at the same places.
-fn on_top(lit: &Lit, receivers: &Receivers, transfer: &Transfer, session: &Session) -> anyhow::Result<f64> {
-    let step = receivers.len().div_ceil(CHECKED).max(1);
+/// Some of the vertices, every so many.
+fn some_of(transfer: &Transfer) -> (Vec<SurfacePoint>, usize) {
+    let step = transfer.receivers().div_ceil(CHECKED).max(1);
     let point = |at: usize| SurfacePoint {
         position: transfer.position[at].into(),
         normal: transfer.normal[at].into(),
         triangle: NO_TRIANGLE,
     };
-    let points: Vec<SurfacePoint> = (0..receivers.len()).step_by(step).map(point).collect();
+    ((0..transfer.receivers()).step_by(step).map(point).collect(), step)
+}
+
+/// RMS by which vertices differ from a last gather of many rays at the same places.
+fn on_top(lit: &Lit, receivers: &Receivers, transfer: &Transfer, session: &Session) -> anyhow::Result<f64> {
+    let (points, step) = some_of(transfer);
     let best = lit.gathered(&points, jury::RAYS, session)?;
     let theirs: Vec<Vec<[f32; 3]>> =
         lit.received(receivers).iter().map(|all| all.iter().step_by(step).copied().collect()).collect();
     Ok(jury::difference(&theirs, &best))
 }
 
-/// Median time of the indirect light of all receivers under the first rig, seconds.
+/// Median time of the indirect light of all vertices under the first rig, seconds.
 fn time(lit: &Lit, receivers: &Receivers, cases: &[Case], session: &Session) -> f64 {
     let light = lit.relighter.direct_light(&cases[0].rig);
     let frame = || {
@@ -153,7 +157,8 @@ pub fn certify(
     let (form_factors, packing) =
         (made.log.number("formfactor", "irradiance_error")?, made.log.number("hmatrix", "l2_mean")?);
     let solver = made.log.largest("series", "channel", "residual")?;
-    let known = [form_factors, packing, solver].iter().map(|e| e * e).sum::<f64>();
+    let interpolation = if made.interpolates { made.receivers } else { 0.0 };
+    let known = [form_factors, packing, solver, interpolation].iter().map(|e| e * e).sum::<f64>();
     let light = |(case, score): (&Case, &score::Score)| {
         Ok(LightAccuracy {
             name: case.name.clone(),

@@ -14,7 +14,7 @@ pub struct Goal {
     /// Memory that frames may take beside the scene, such as 2MiB; without --error the smallest error within it
     #[arg(id = "goal_memory", long = "memory", value_name = "SIZE", value_parser = memory::parse, conflicts_with_all = CHOSEN)]
     pub memory: Option<u64>,
-    /// Time that the indirect light of all receivers may take a frame, on the processor of this machine, such as 5ms; without
+    /// Time that the indirect light of all vertices may take a frame, on the processor of this machine, such as 5ms; without
     /// --error the smallest error within it. It is measured, so that the file may differ from run to run
     #[arg(id = "goal_time", long = "time-per-frame", value_name = "TIME", value_parser = numbers::seconds, conflicts_with_all = CHOSEN)]
     pub time: Option<f64>,
@@ -47,11 +47,6 @@ const CHOSEN: [&str; 20] = [
 impl Goal {
     /// Whether anything is asked for.
     pub fn is_set(&self) -> bool {
-        self.error.is_some() || self.is_budget()
-    }
-
-    /// Whether memory or time is limited.
-    pub fn is_budget(&self) -> bool {
-        self.memory.is_some() || self.time.is_some()
+        self.error.is_some() || self.memory.is_some() || self.time.is_some()
     }
 }

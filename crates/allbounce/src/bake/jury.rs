@@ -76,8 +76,8 @@ impl<'a> Jury<'a> {
         Ok(Jury { scene, rays, surfaces: Surfaces::new(&scene.mesh, &scene.materials)?, place, points })
     }
 
-    /// What the scene itself emits and `count` rigs from number `first` on, with their traced light, whose noise is no more than
-    /// `noise` of its mean. Lights that hardly shine anywhere are passed over: nobody lights a scene so.
+    /// `count` rigs from number `first` on with their traced light, whose noise is no more than `noise` of its mean where a bounded
+    /// number of paths gets there. Lights that hardly shine anywhere are passed over: nobody lights a scene so.
     pub fn cases(
         &self,
         first: u32,
@@ -86,28 +86,29 @@ impl<'a> Jury<'a> {
         seed: u32,
         session: &Session,
     ) -> anyhow::Result<Vec<Case>> {
-        let mut cases = Vec::new();
-        let mut add = |Trial { name, rig }: Trial, least: f64| -> anyhow::Result<bool> {
-            let rough = self.trace(&rig, PATHS[0], seed, session)?;
-            let counts = lit_share(&rough) > least;
-            if counts {
-                let truth = self.refine(rough, &rig, noise, seed, session)?;
-                cases.push(Case { name, rig, truth });
-            }
-            Ok(counts)
-        };
-        if let Some(own) = lights::own(self.scene) {
-            add(own, 0.0)?;
-        }
-        let (mut number, mut left) = (first, count);
-        while left > 0 && number < first + TRIES * count as u32 {
-            left -= usize::from(add(lights::rig(self.scene, &self.points, self.rays, number), LIT)?);
-            number += 1;
-        }
+        let rigs = (first..first + TRIES * count as u32).map(|n| lights::rig(self.scene, &self.points, self.rays, n));
+        let tried = rigs.map(|trial| self.case(trial, LIT, noise, seed, session));
+        let cases = tried.filter_map(anyhow::Result::transpose).take(count).collect::<anyhow::Result<Vec<_>>>()?;
         if cases.is_empty() {
             bail!("no lamp in the air of the scene lights much of it; bake by --patches instead of --error");
         }
         Ok(cases)
+    }
+
+    /// What the scene itself emits, if that lights anything, as [`Jury::cases`].
+    pub fn own_light(&self, noise: f64, seed: u32, session: &Session) -> anyhow::Result<Option<Case>> {
+        lights::own(self.scene).map_or(Ok(None), |own| self.case(own, 0.0, noise, seed, session))
+    }
+
+    /// A rig that lights more than a share of the surfaces.
+    fn case(&self, trial: Trial, least: f64, noise: f64, seed: u32, session: &Session) -> anyhow::Result<Option<Case>> {
+        let Trial { name, rig } = trial;
+        let rough = self.trace(&rig, PATHS[0], seed, session)?;
+        if lit_share(&rough) <= least {
+            return Ok(None);
+        }
+        let truth = self.refine(rough, &rig, noise, seed, session)?;
+        Ok(Some(Case { name, rig, truth }))
     }
 
     fn trace(&self, rig: &LightRig, paths: u32, seed: u32, session: &Session) -> anyhow::Result<Truth> {

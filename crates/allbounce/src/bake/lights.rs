@@ -1,6 +1,6 @@
 //! Lights to try a scene with before anybody has said what will shine.
 //!
-//! Lamps hang where real ones could ([`Air`]). One rig has three lamps of which one is a panel, the next a single point, and so on;
+//! Lamps hang where real ones could ([`Air`]). One rig has four lamps of which one is a panel, the next two points, and so on;
 //! where the sun comes in, every fourth is sun and sky.
 
 use glam::Vec3;
@@ -9,7 +9,7 @@ use scene::{Air, Light, LightRig, NO_TRIANGLE, Rays, Scene, Sobol, SurfacePoint,
 use super::jury;
 
 /// Lamps of a rig: one rig after another.
-const LAMPS: [u32; 2] = [3, 1];
+const LAMPS: [u32; 2] = [4, 2];
 /// Every so many rigs is sun and sky.
 const SUN: u32 = 4;
 /// Edge of a panel, in diagonals of the scene.
@@ -51,8 +51,7 @@ pub fn rig(scene: &Scene, points: &[SurfacePoint], rays: &Rays, number: u32) -> 
         }
         None => {
             let count = LAMPS[number as usize % LAMPS.len()];
-            let name = if count == 1 { "a lamp in the air".into() } else { format!("{count} lamps in the air") };
-            (name, (0..count).map(lamp).collect())
+            (format!("{count} lamps in the air"), (0..count).map(lamp).collect())
         }
     };
     Trial { name, rig: LightRig { lights, ..LightRig::default() } }

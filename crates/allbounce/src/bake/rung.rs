@@ -1,10 +1,9 @@
 //! One trial bake: so many patches, up to the packed operator, and its error.
 //!
-//! The parts of an error ε: packing ε/2, noise of form factors ε/4, the solve nothing (it is exact); patches get what is left
-//! (docs/design.md, budget rule).
+//! The parts of an error ε: packing ε/8, noise of form factors ε/4, the solve nothing (it is exact); patches get what is left
+//! (docs/decisions/0015, which corrects the budget rule of docs/design.md).
 
-use anyhow::Context;
-use radfile::{Container, Patches, Record};
+use radfile::Container;
 use series::Precision;
 
 use super::{
@@ -12,15 +11,22 @@ use super::{
     chain::{Log, keep, taken},
     climb::Kind,
 };
-use crate::{hmatrix, packing::Wanted, series as solve, session::Session, stage, voxel_simplify};
+use crate::{
+    hmatrix,
+    packing::Wanted,
+    series as solve,
+    session::Session,
+    stage::{self, Stage},
+    voxel_simplify,
+};
 
 /// Part of the error that packing may cause, and noise of the form factors.
-const PACKING: f64 = 0.5;
+const PACKING: f64 = 0.125;
 const NOISE: f64 = 0.25;
 /// What operators can be packed with.
 pub const PACKABLE: [f64; 2] = [0.0005, 0.5];
 /// Most patches of a bake that adaptive ones are made by.
-const PILOT: u64 = 1000;
+const PILOT: u64 = 4000;
 
 /// A bake that lacks only its receivers.
 pub struct Rung {
@@ -63,8 +69,6 @@ pub fn bake(
 
 /// f64 unless only f32 fits into memory.
 fn precision(factors: &Container, session: &Session) -> anyhow::Result<Precision> {
-    let patches = Patches::read(factors).context("the trial's patches")?;
-    let channels = if patches.is_grey() { 1 } else { 3 };
-    let need = series::memory_needed(patches.len(), channels) + factors.as_bytes().len() as u64;
+    let (need, _) = solve::Options::all_bounces(Precision::F64).memory(factors)?;
     Ok(if session.ask_memory("series", need, "").is_ok() { Precision::F64 } else { Precision::F32 })
 }

@@ -167,7 +167,7 @@ fn accuracy(a: &Accuracy) -> String {
     let p = &a.parts;
     format!(
         "accuracy: {} of indirect light ({asked}) at {} points under {} lights, worst {}; \
-         discretisation {}, form factors {}, solver {}, packing {}, receivers on top {}",
+         discretisation {}, form factors {}, solver {}, packing {}, vertices {}",
         percent(a.rms),
         a.points,
         a.lights.len(),

@@ -36,7 +36,7 @@ const PARTS: [(&str, &[&str]); 6] = [
     ("scene", &["mesh.", "materials.", "scene."]),
 ];
 /// Sections of nobody above, and what is between sections.
-const REST: &str = "provenance, header, padding";
+const REST: &str = "everything else";
 
 pub fn draw(subject: &Subject) -> anyhow::Result<Plot> {
     let container = subject.container;

@@ -46,7 +46,9 @@ pub fn draw(subject: &Subject) -> anyhow::Result<Plot> {
         label: format!("{label}; share of all entries upwards"),
         top: of_all(counts.iter().copied().max().unwrap_or(0)),
     };
-    let linear = [0.0, 0.25, 0.5, 0.75, 1.0].map(|at| (at, format!("{:.3}", at * f64::from(numbers.largest))));
+    let largest = f64::from(numbers.largest);
+    let digits = (2.0 - largest.log10().floor()).clamp(0.0, 9.0) as usize;
+    let linear = [0.0, 0.25, 0.5, 0.75, 1.0].map(|at| (at, format!("{:.digits$}", at * largest)));
     let panels = vec![
         Panel { title: "linear".into(), content: columns(&numbers.linear, linear.into(), "entry") },
         Panel {
