@@ -4,7 +4,7 @@ use formfactor::Budget;
 use permute::Order;
 use radfile::{Container, Patches, Record, Step};
 use reference::rivals::Setting;
-use voxel_simplify::{Mode, Resolution};
+use voxel_simplify::{Mode, Pilot, Resolution};
 
 use crate::{
     session::Session,
@@ -45,16 +45,19 @@ impl Recipe {
     }
 }
 
-/// Runs the stages.
-pub fn bake(recipe: &Recipe, setting: &Setting, session: &Session) -> anyhow::Result<Dense> {
+/// Runs the stages; a `pilot` makes patches adaptive, and its time counts.
+pub fn bake(recipe: &Recipe, pilot: Option<&Dense>, setting: &Setting, session: &Session) -> anyhow::Result<Dense> {
     let (start, progress) = (session.seconds(), session.progress());
     let params = voxel_simplify::Params {
         resolution: Resolution::Patches(recipe.patches),
         mode: recipe.mode,
         ..voxel_simplify::Params::default()
     };
+    let earlier = pilot.map_or(0.0, |pilot| pilot.seconds);
+    let pilot = pilot.map(|pilot| Pilot::read(&pilot.container)).transpose()?;
     let simple = kept(|sink| {
-        Ok(voxel_simplify::run(setting.scene, &params, None, step("voxel-simplify"), &progress, sink).map(drop)?)
+        Ok(voxel_simplify::run(setting.scene, &params, pilot.as_ref(), step("voxel-simplify"), &progress, sink)
+            .map(drop)?)
     })?;
     let n = stage::patch_count(&simple)? as usize;
     let budget = Budget::Rays(RAYS);
@@ -62,12 +65,12 @@ pub fn bake(recipe: &Recipe, setting: &Setting, session: &Session) -> anyhow::Re
     session.ask_memory("the bake", need, "leave the method out (--methods)")?;
     let params = formfactor::Params { budget, seed: 1 };
     let factors = kept(|sink| Ok(formfactor::run(&simple, &params, step("formfactor"), &progress, sink).map(drop)?))?;
-    let factors_seconds = session.seconds() - start;
+    let factors_seconds = earlier + session.seconds() - start;
     let summed = kept(|sink| Ok(series::run(&factors, &recipe.series, step("series"), &progress, sink).map(drop)?))?;
     let params = permute::Params { order: recipe.order };
     let container = kept(|sink| Ok(permute::run(&summed, &params, step("permute"), &progress, sink).map(drop)?))?;
     let patches = Patches::read(&container)?;
-    Ok(Dense { container, patches, factors_seconds, seconds: session.seconds() - start })
+    Ok(Dense { container, patches, factors_seconds, seconds: earlier + session.seconds() - start })
 }
 
 /// Provenance that nobody reads: the containers stay in memory.

@@ -14,7 +14,7 @@ pub struct Ground<'a> {
     /// The receivers in the axes of the scene file, metres.
     pub position: &'a [[f64; 3]],
     pub session: &'a Session,
-    baked: RefCell<BTreeMap<u32, Rc<Dense>>>,
+    baked: RefCell<BTreeMap<(u32, Option<u32>), Rc<Dense>>>,
 }
 
 impl<'a> Ground<'a> {
@@ -31,11 +31,23 @@ impl<'a> Ground<'a> {
 
     /// The bake of about so many patches with all bounces, made once.
     pub fn all_bounces(&self, patches: u32) -> anyhow::Result<Rc<Dense>> {
-        if let Some(dense) = self.baked.borrow().get(&patches) {
+        self.made_once(patches, None)
+    }
+
+    /// The same of adaptive patches, by a bake of `pilot` uniform ones.
+    pub fn adaptive(&self, patches: u32, pilot: u32) -> anyhow::Result<Rc<Dense>> {
+        self.made_once(patches, Some(pilot))
+    }
+
+    fn made_once(&self, patches: u32, pilot: Option<u32>) -> anyhow::Result<Rc<Dense>> {
+        let key = (patches, pilot);
+        if let Some(dense) = self.baked.borrow().get(&key) {
             return Ok(dense.clone());
         }
-        let dense = Rc::new(baked::bake(&Recipe::all_bounces(patches), &self.setting, self.session)?);
-        self.baked.borrow_mut().insert(patches, dense.clone());
+        let pilot = pilot.map(|patches| self.all_bounces(patches)).transpose()?;
+        let dense = baked::bake(&Recipe::all_bounces(patches), pilot.as_deref(), &self.setting, self.session)?;
+        let dense = Rc::new(dense);
+        self.baked.borrow_mut().insert(key, dense.clone());
         Ok(dense)
     }
 }

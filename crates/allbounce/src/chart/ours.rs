@@ -13,23 +13,42 @@ use super::{
 };
 use crate::{numbers::percent, stage::kept};
 
-/// Patches, error that packing the operator may cause, and rays of each receiver, of each entry that gathers.
-const GATHERED: [(u32, f64, u32); 10] = [
-    (100, 0.005, 1024),
-    (200, 0.005, 1024),
-    (500, 0.005, 1024),
-    (1000, 0.005, 1024),
-    (2500, 0.005, 1024),
-    (1000, 0.02, 1024),
-    (1000, 0.05, 1024),
-    (2500, 0.002, 8192),
-    (5000, 0.002, 8192),
-    (10_000, 0.002, 8192),
+/// A setting that gathers.
+struct Gather {
+    patches: u32,
+    /// Patches of the bake by which they are adaptive.
+    pilot: Option<u32>,
+    /// Error that packing the operator may cause.
+    operator: f64,
+    /// Rays of each receiver, and error that packing its row may cause.
+    rays: u32,
+    rows: f64,
+}
+
+const fn coarse(patches: u32, operator: f64) -> Gather {
+    Gather { patches, pilot: None, operator, rays: 1024, rows: 0.01 }
+}
+
+const fn fine(patches: u32, pilot: Option<u32>) -> Gather {
+    Gather { patches, pilot, operator: 0.002, rays: 8192, rows: 0.002 }
+}
+
+const GATHERED: [Gather; 12] = [
+    coarse(100, 0.005),
+    coarse(200, 0.005),
+    coarse(500, 0.005),
+    coarse(1000, 0.005),
+    coarse(2500, 0.005),
+    coarse(1000, 0.02),
+    coarse(1000, 0.05),
+    fine(2500, None),
+    fine(5000, None),
+    fine(10_000, None),
+    fine(2500, Some(2500)),
+    fine(5000, Some(2500)),
 ];
 /// Patches and error of packing of each entry that interpolates.
 const INTERPOLATED: [(u32, f64); 5] = [(100, 0.005), (200, 0.005), (500, 0.005), (1000, 0.005), (2500, 0.005)];
-/// Error that packing the rows of receivers may cause, as `allbounce bake` has it.
-const GATHER_ERROR: f64 = 0.01;
 /// Points of a patch without elements, and rays from each point of a patch to every area light: patches are many, and each
 /// has dozens of points.
 const SAMPLES: PatchSamples = PatchSamples { points: 16, area: 1 };
@@ -95,8 +114,11 @@ pub fn bytes_of_rows(rows: &Rows) -> usize {
 
 /// Enters all settings that gather.
 pub fn gather(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    for &(patches, error, rays) in judge.choice.of(&GATHERED) {
-        let dense = ground.all_bounces(patches)?;
+    for &Gather { patches, pilot, operator: error, rays, rows } in judge.choice.of(&GATHERED) {
+        let dense = match pilot {
+            Some(pilot) => ground.adaptive(patches, pilot)?,
+            None => ground.all_bounces(patches)?,
+        };
         let (start, progress) = (ground.session.seconds(), ground.session.progress());
         let packed = pack(&dense, error, ground)?;
         let (setting, patches) = (ground.setting, &dense.patches);
@@ -104,20 +126,17 @@ pub fn gather(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
         let senders = Senders { patches, elements: &elements, rays: setting.rays };
         let params = GatherParams { rays, ..GatherParams::default() };
         let need = transfer::gather_memory_needed(setting.receivers.len(), elements.senders(), &params)
-            + hmatrix::rows_memory_needed(
-                setting.receivers.len(),
-                elements.senders(),
-                &hmatrix::Params::error(GATHER_ERROR),
-            );
+            + hmatrix::rows_memory_needed(setting.receivers.len(), elements.senders(), &hmatrix::Params::error(rows));
         ground.session.ask_memory("the last gather", need, "take fewer receivers")?;
-        let (gathered, _) = transfer::pack(&senders, setting.receivers, &params, GATHER_ERROR, &progress)?;
+        let (gathered, _) = transfer::pack(&senders, setting.receivers, &params, rows, &progress)?;
         drop(progress);
         let seconds = dense.seconds + ground.session.seconds() - start;
         let (operator, sky) = (Operator::read(&packed)?, radfile::read_sky(&packed)?);
         let receivers = Receivers::gathered(&gathered, elements.senders())?;
         let bytes_of_rows = gathered.stream.len() + 4 * gathered.sky.len();
         let parts = Parts { patches, elements: &elements, sky, operator: &operator, receivers, bytes_of_rows };
-        let name = format!("{}, {rays} rays", name(patches, error));
+        let kind = if pilot.is_some() { "adaptive, " } else { "" };
+        let name = format!("{kind}{}, {rays} rays, rows {}", name(patches, error), percent(rows));
         judge.enter(seconds, &mut Bake::new(name, ground, parts)?)?;
     }
     Ok(())

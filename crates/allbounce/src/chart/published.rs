@@ -36,7 +36,7 @@ const FORMAT: Params = Params { probes: 0, ..Params::PAPER };
 /// Enters all settings.
 pub fn compete(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
     for &patches in judge.choice.of(&PATCHES) {
-        let dense = match baked::bake(&Recipe::published(patches, BOUNCES), &ground.setting, ground.session) {
+        let dense = match baked::bake(&Recipe::published(patches, BOUNCES), None, &ground.setting, ground.session) {
             // Coarse voxels can fill a room, so that no side of one faces another.
             Err(error) if matches!(error.downcast_ref(), Some(voxel_simplify::Error::NothingSeen { .. })) => {
                 judge.leave_out(format!("{patches} patches"), error.to_string());
