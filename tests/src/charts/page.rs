@@ -13,8 +13,7 @@ pub const HEAD: &str = "# The stability laboratory\n\n\
     Charts of operators, at the end, are of whole scenes: `make bench` measures them, and their sentences are about \
     its record in `bench/record/`.\n\n\
     Speed against accuracy of every method, by `make rival-charts`: [Cornell box](rivals-cornell.md), \
-    [apartment](rivals-apartment.md) (without the method as published, which has 85 % with 290 patches and 42 % with 2552, 1.8 \
-    and 22 ms), and a larger scene that is not bundled, [Sponza](rivals-sponza.md). Indirect light as a camera sees it by each of them, beside the path-traced truth (upper \
+    [apartment](rivals-apartment.md), and a larger scene that is not bundled, [Sponza](rivals-sponza.md). Indirect light as a camera sees it by each of them, beside the path-traced truth (upper \
     left), with method, setting, time of a light change and RMS error below each picture: \
     [Cornell box](side-by-side-cornell.png).\n\n\
     Which claims of the published method hold, by `make claims`: [table](claims.md).\n";

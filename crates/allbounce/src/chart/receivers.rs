@@ -43,7 +43,7 @@ pub fn by_area(scene: &Scene, rays: &Rays, count: u32) -> anyhow::Result<Points>
         }
     }
     if chosen.is_empty() {
-        bail!("no side of a surface sees another surface, so that there is no indirect light to chart");
+        bail!("no side of a surface sees another surface, so that there is no indirect light");
     }
     chosen.truncate(count as usize);
     let origin = scene.mesh.origin;
