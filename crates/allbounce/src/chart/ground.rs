@@ -8,13 +8,16 @@ use reference::rivals::Setting;
 use super::baked::{self, Dense, Recipe};
 use crate::session::Session;
 
+type Bakes = BTreeMap<(u32, Option<u32>), Rc<Dense>>;
+
 /// One scene, its receivers and the bakes of it so far.
 pub struct Ground<'a> {
     pub setting: Setting<'a>,
     /// The receivers in the axes of the scene file, metres.
     pub position: &'a [[f64; 3]],
     pub session: &'a Session,
-    baked: RefCell<BTreeMap<(u32, Option<u32>), Rc<Dense>>>,
+    /// By their patches and those of the bake that made them adaptive.
+    baked: RefCell<Bakes>,
 }
 
 impl<'a> Ground<'a> {
