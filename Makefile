@@ -234,7 +234,7 @@ rival-chart = $(ALLBOUNCE) chart assets/$(1)/$(1).obj -o out/rivals-$(1) --repor
 
 # ---- what bakes choose ----
 
-# Bakes each scene for two errors and says in docs/goals.md what was chosen and what came out; a quarter of an hour.
+# Bakes each scene for two errors and says in docs/goals.md what was chosen and what came out; some minutes.
 GOALS := tests/data/grey/room.obj assets/cornell/cornell.obj assets/apartment/apartment.obj
 GOAL_ERRORS := 10% 5%
 
