@@ -72,8 +72,7 @@ pub fn run(args: &Args, session: &Session) -> anyhow::Result<()> {
     let (made, accuracy) = match args.goal.error {
         Some(error) => within_error(args, error, &jury, &cases, &mut climb, judges, session),
         None => within_budget(args, &jury, &cases, &mut climb, session)
-            .and_then(|made| Ok((certify(&jury, &made.finished, None, &judges(0)?, session)?, made)))
-            .map(|(accuracy, made)| (made, accuracy)),
+            .and_then(|made| certify(&jury, &made.finished, None, &judges(0)?, session).map(|told| (made, told))),
     }
     .with_context(named)?;
     write(args, made, accuracy, session)

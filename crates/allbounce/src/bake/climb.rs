@@ -81,10 +81,7 @@ impl<'a> Climb<'a> {
 
     /// Bakes about so many patches, of both kinds where that is not settled and may pay.
     fn trial(&mut self, patches: u32, error: f64) -> anyhow::Result<Rung> {
-        let mut rung = match self.kind {
-            Some(Kind::Adaptive) => self.bake(patches, error, true)?,
-            _ => self.bake(patches, error, false)?,
-        };
+        let mut rung = self.bake(patches, error, self.kind == Some(Kind::Adaptive))?;
         self.pilot = rung.pilot.take().or(self.pilot.take());
         let tells = rung.patches >= ADAPTIVE && rung.error < TELLING && self.pilot.is_some();
         if self.kind.is_none() && tells && rung.error > ENOUGH * error {

@@ -85,7 +85,9 @@ pub fn finish(
         let packing = (PACKING * error).clamp(PACKABLE[0], PACKABLE[1]);
         baked = log.link(&args.transfer.gathered(rays, packing), &rung.baked, &session.brief())?;
     }
-    let of_frame = |name: &str| FRAME.iter().any(|prefix| name.starts_with(prefix));
+    // Whole patches have no points of elements: frames draw theirs on the pieces.
+    let drawn_on = |name: &str| interpolates && name.starts_with("patches.piece_");
+    let of_frame = |name: &str| FRAME.iter().any(|prefix| name.starts_with(prefix)) || drawn_on(name);
     let bytes = baked.sections().iter().filter(|s| of_frame(&s.name)).map(|s| s.length).sum();
     let transfer = Transfer::read(&baked)?;
     let (seconds_a_frame, receivers) = jury.ask(&baked, cases, session, |lit| {

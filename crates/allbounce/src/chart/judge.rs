@@ -119,6 +119,11 @@ impl<'a> Judge<'a> {
         self.tried += 1;
     }
 
+    /// Passes over a setting that nobody asked for.
+    pub fn pass_over(&mut self) {
+        self.tried += 1;
+    }
+
     /// Makes a rival, which is its bake, and enters it.
     pub fn make<R: Rival>(&mut self, rival: impl FnOnce() -> anyhow::Result<R>) -> anyhow::Result<()> {
         let start = Instant::now();

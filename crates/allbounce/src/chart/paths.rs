@@ -11,8 +11,8 @@ use super::{
 
 /// Paths of a receiver in a frame.
 const PATHS: [u32; 6] = [4, 16, 64, 256, 1024, 4096];
-/// So many of these are enough for a quick look.
-const QUICK: usize = 2;
+/// These are enough for a quick look.
+const QUICK: [u32; 2] = [4, 64];
 
 struct Paths<'a> {
     ground: &'a Ground<'a>,
@@ -41,9 +41,14 @@ impl Rival for Paths<'_> {
 
 /// Enters all numbers of paths.
 pub fn compete(ground: &Ground, judge: &mut Judge) -> anyhow::Result<()> {
-    let counts: &[u32] = if judge.choice == Choice::First { &PATHS[..QUICK] } else { judge.choice.of(&PATHS) };
+    let quick = judge.choice == Choice::First;
+    let counts: &[u32] = if quick { &PATHS } else { judge.choice.of(&PATHS) };
     let normal: Vec<[f32; 3]> = ground.setting.receivers.iter().map(|r| r.normal.to_array()).collect();
     for &count in counts {
+        if quick && !QUICK.contains(&count) {
+            judge.pass_over();
+            continue;
+        }
         judge.make(|| Ok(Paths { ground, count, normal: normal.clone() }))?;
     }
     Ok(())

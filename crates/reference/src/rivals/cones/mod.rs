@@ -12,8 +12,8 @@
 //! 36 %, 38 %; 12: 26 %, 32 %; 24: 24 %, 27 %; 64: 19 %, 20 %; its bias is -7 to -13 %. Cones of twice the width blur, with
 //! 12 of them 32 %, 36 %; of half the width 6 miss lights between them, 40 %, 59 %. All bounces, of which the lost parts
 //! multiply: two of them alone leave 30 to 40 % out; eight leave 10 to 16 % out, at 26 % and 29 % RMS. Finer voxels than 16
-//! along the box change little. In a flat of 14 m they do: all bounces are 119 % off with 16 cells along it, 89 % with 32, 82 %
-//! with 64 and 78 % with 128, at four times the time each.
+//! along the box change little. In the bundled apartment, 14 m long, they do: all bounces are 123 % off with 16 cells along it, 82 %
+//! with 32, 77 % with 64 and 71 % with 128, at four to seven times the time each (`docs/charts/rivals-apartment.md`).
 
 mod gather;
 mod grid;
